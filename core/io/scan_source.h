@@ -1,0 +1,35 @@
+#ifndef ARBORSLAM_CORE_IO_SCAN_SOURCE_H_
+#define ARBORSLAM_CORE_IO_SCAN_SOURCE_H_
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/sensor/laser_scan.h"
+
+namespace arborslam {
+
+/// A recording that gives its scans one at a time, in the order of the file.
+class ScanSource {
+ public:
+  virtual ~ScanSource() = default;
+
+  /// The next scan, or nothing at the end. Throws `UserError` when the record is damaged.
+  virtual std::optional<LaserScan> Next() = 0;
+
+  /// How many scans the recording holds, where the format tells.
+  virtual std::optional<size_t> NumScans() const = 0;
+
+  /// What a user should know about the recording (a missing field, an assumption made): full sentences, found at opening.
+  virtual const std::vector<std::string>& Notices() const = 0;
+};
+
+/// Opens the recording at `path`, its format told from its content and name. Throws `UserError` when the path does
+/// not exist, cannot be read, or holds no known format.
+std::unique_ptr<ScanSource> OpenScanSource(const std::string& path);
+
+}  // namespace arborslam
+
+#endif  // ARBORSLAM_CORE_IO_SCAN_SOURCE_H_
