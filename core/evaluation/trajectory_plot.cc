@@ -158,7 +158,7 @@ void DrawAxes(cairo_t* cr, const Panel& panel, double x_step, double y_step, con
   SetFont(cr, kTextSize);
   DrawText(cr, x_label, panel.left + 0.5 * panel.width, bottom + 39.0, Anchor::kCentre);
   cairo_save(cr);
-  cairo_translate(cr, 20.0, panel.top + 0.5 * panel.height);
+  cairo_translate(cr, 28.0, panel.top + 0.5 * panel.height);
   cairo_rotate(cr, -0.5 * kPi);
   DrawText(cr, y_label, 0.0, 0.0, Anchor::kCentre);
   cairo_restore(cr);
@@ -211,6 +211,7 @@ Panel MapPanel(const std::vector<PosePair>& pairs) {
 }
 
 void DrawStart(cairo_t* cr, double x, double y) {
+  cairo_new_path(cr);  // Or the arc would be joined to the end of the text drawn last.
   cairo_arc(cr, x, y, 5.0, 0.0, 2.0 * kPi);
   cairo_set_source_rgb(cr, 1.0, 1.0, 1.0);
   cairo_fill_preserve(cr);
