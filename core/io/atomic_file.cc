@@ -7,6 +7,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <locale>
 #include <streambuf>
 #include <system_error>
 #include <vector>
@@ -99,6 +100,8 @@ AtomicFile::AtomicFile(const std::string& path) : path_(path), stream_(nullptr) 
   }
   buffer_ = std::make_unique<Buffer>(descriptor);
   stream_.rdbuf(buffer_.get());
+  // A user's locale must not put commas into numbers.
+  stream_.imbue(std::locale::classic());
 }
 
 AtomicFile::~AtomicFile() {

@@ -20,7 +20,8 @@ class AtomicFile {
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
-  /// The binary stream to write to; it cannot seek. A failed write sets its state and is reported by `Commit`.
+  /// The binary stream to write to, in the C locale; it cannot seek. A failed write sets its state and is reported by
+  /// `Commit`.
   std::ostream& stream() { return stream_; }
 
   /// Whether `Commit` waits until the storage holds the file (fsync), so that it survives a power cut.
