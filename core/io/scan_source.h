@@ -22,7 +22,8 @@ class ScanSource {
   /// How many scans the recording holds, where the format tells.
   virtual std::optional<size_t> NumScans() const = 0;
 
-  /// What a user should know about the recording (a missing field, an assumption made): full sentences, found at opening.
+  /// What a user should know about the recording (a missing field, an assumption made): full sentences, found at
+  /// opening.
   virtual const std::vector<std::string>& Notices() const = 0;
 };
 

@@ -1,0 +1,32 @@
+#ifndef ARBORSLAM_CORE_IO_TRAJECTORY_IO_H_
+#define ARBORSLAM_CORE_IO_TRAJECTORY_IO_H_
+
+#include <string>
+
+#include "core/sensor/stamped_pose.h"
+#include "core/sensor/trajectory3.h"
+
+namespace arborslam {
+
+/// Reads a trajectory, its format told from the content:
+///
+///   TUM text   lines `stamp x y z qx qy qz qw` [s, m], '#' before a comment. A quaternion is normalised when its norm
+///   is
+///              within 1 % of 1 and refused otherwise.
+///   NumPy zip  a Pullally recording's reference: `gnss_rotated_c`, N x 2, x and y [m], stamped by `time` (by the
+///              index [s] when that is absent, as its scans are). For evaluation only, never an input of the method.
+///
+/// Throws `UserError` naming line or record when the file cannot be read, a value is not finite, a line has too few or
+/// too many columns, the stamps do not increase, or there is no pose at all.
+Trajectory3 ReadTrajectory(const std::string& path);
+
+/// Writes `trajectory` in TUM format, stamps with 9 decimals, a comment with frames and units first. All values must be
+/// finite. Throws `UserError` when the file cannot be written.
+void WriteTum(const std::string& path, const Trajectory3& trajectory);
+
+/// The same for a planar trajectory, with z = 0.
+void WriteTum(const std::string& path, const Trajectory& trajectory);
+
+}  // namespace arborslam
+
+#endif  // ARBORSLAM_CORE_IO_TRAJECTORY_IO_H_
