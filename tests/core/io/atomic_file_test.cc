@@ -18,7 +18,6 @@ namespace {
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::IsEmpty;
 
 TEST(AtomicFile, AppearsOnlyWhenCommitted) {
   const TempFolder folder;
@@ -101,7 +100,7 @@ TEST(AtomicFile, ReportsAFailedStreamAndKeepsTheTargetAbsent) {
     file.stream().setstate(std::ios::failbit);
     EXPECT_THAT(UserErrorOf([&] { file.Commit(); }), HasSubstr("could not be written completely"));
   }
-  EXPECT_THAT(folder.Names(), IsEmpty());
+  EXPECT_THAT(folder.Names(), ElementsAre());
 }
 
 TEST(AtomicFile, ReportsAWriteThatTheSystemRefuses) {
@@ -116,7 +115,7 @@ TEST(AtomicFile, ReportsAWriteThatTheSystemRefuses) {
   setrlimit(RLIMIT_FSIZE, &usual);
   std::signal(SIGXFSZ, usual_handler);
   EXPECT_THAT(message, HasSubstr("File too large"));
-  EXPECT_THAT(folder.Names(), IsEmpty());
+  EXPECT_THAT(folder.Names(), ElementsAre());
 }
 
 TEST(AtomicFile, ReportsATargetThatTurnedIntoAFolder) {

@@ -19,7 +19,6 @@ namespace {
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::IsEmpty;
 using testing::Not;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -53,10 +52,10 @@ TEST(Npz, WrittenArraysReadBackExactly) {
   EXPECT_THAT(file.Read("small").shape, ElementsAre(2, 3));
   EXPECT_EQ(file.Read("large").values, large.values);
   EXPECT_EQ(file.Read("large").shape, large.shape);
-  EXPECT_THAT(file.Read("scalar").shape, IsEmpty());
+  EXPECT_THAT(file.Read("scalar").shape, ElementsAre());
   EXPECT_THAT(file.Read("scalar").values, ElementsAre(4.0));
   EXPECT_THAT(file.Read("none").shape, ElementsAre(0, 5));
-  EXPECT_THAT(file.Read("none").values, IsEmpty());
+  EXPECT_THAT(file.Read("none").values, ElementsAre());
 }
 
 TEST(Npz, EqualArraysGiveEqualBytes) {
@@ -202,7 +201,7 @@ TEST(Npz, RefusesOtherCompressionAndArraysGivenTwice) {
 TEST(Npz, PassesOverEntriesThatAreNoArrays) {
   const TempFolder folder;
   const std::string path = folder.Write("a.npz", HandmadeZip({{"readme.txt", "hello", {}}, {".npy", "", {}}}));
-  EXPECT_THAT(NpzFile(path).Keys(), IsEmpty());
+  EXPECT_THAT(NpzFile(path).Keys(), ElementsAre());
   EXPECT_THAT(UserErrorOf([&] { NpzFile(path).Read("a"); }), HasSubstr("no arrays"));
 }
 

@@ -1,0 +1,224 @@
+#include "core/evaluation/trajectory_metrics.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <set>
+#include <stdexcept>
+#include <string>
+
+#include "core/geometry/angles.h"
+
+namespace arborslam {
+namespace {
+
+StampedPose3 PoseAt(double stamp, double x, double y, double z, double yaw) {
+  return {stamp, {x, y, z}, Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()))};
+}
+
+// A loop with a heading that leaves the direction of travel, as a legged robot's does.
+std::vector<StampedPose3> Loop(int count) {
+  std::vector<StampedPose3> poses;
+  for (int i = 0; i < count; ++i) {
+    const double t = 2.0 * kPi * i / count;
+    poses.push_back(PoseAt(i, 20.0 * std::cos(t), 8.0 * std::sin(2.0 * t), 0.3 * std::sin(5.0 * t), 3.0 * t));
+  }
+  return poses;
+}
+
+std::vector<PosePair> Pairs(const std::vector<StampedPose3>& estimates, const std::vector<StampedPose3>& references) {
+  std::vector<PosePair> pairs;
+  for (size_t i = 0; i < estimates.size(); ++i) pairs.push_back({estimates[i], references[i]});
+  return pairs;
+}
+
+// Four poses, worked out by hand below.
+std::vector<PosePair> HandMadePairs() {
+  return {{PoseAt(0, 0.0, 0.0, 0.0, 0.0), PoseAt(0, 0.0, 0.0, 5.0, 0.0)},
+          {PoseAt(1, 1.3, 0.0, 0.0, 0.1), PoseAt(1, 1.0, 0.0, 6.0, 0.0)},
+          {PoseAt(2, 1.3, 0.8, 0.0, 1.5), PoseAt(2, 1.0, 1.2, 7.0, 1.6)},
+          {PoseAt(3, 1.0, 0.8, 0.0, 3.1), PoseAt(3, 1.0, 2.2, 8.0, -3.1)}};
+}
+
+TEST(TrajectoryMetricsTest, HandComputedFigures) {
+  const TrajectoryEvaluation evaluation = EvaluateTrajectory(HandMadePairs(), true, AlignmentKind::kNone);
+  const TrajectoryMetrics& m = evaluation.metrics;
+  // Position errors 0, 0.3, 0.5, 1.4; the altitude of the reference does not count.
+  EXPECT_NEAR(m.position_mean, 2.2 / 4.0, 1e-12);
+  EXPECT_NEAR(m.position_rms, std::sqrt((0.09 + 0.25 + 1.96) / 4.0), 1e-12);
+  EXPECT_NEAR(m.end_error, 1.4, 1e-12);
+  // Path 1 + 1.2 + 1.
+  EXPECT_NEAR(evaluation.path_length(), 3.2, 1e-12);
+  EXPECT_NEAR(*m.position_percent, 0.55 / 3.2 * 100.0, 1e-12);
+  // Heading errors 0, 0.1, 0.1 and, across the cut at pi, 2 pi - 6.2.
+  const double across = 2.0 * kPi - 6.2;
+  EXPECT_NEAR(*m.heading_mean, (0.2 + across) / 4.0, 1e-12);
+  EXPECT_NEAR(*m.heading_rms, std::sqrt((0.02 + across * across) / 4.0), 1e-12);
+  // Steps: lengths 1.3, 0.8, 0.3 for 1, 1.2, 1; errors 0.3, -0.4, -0.7.
+  EXPECT_NEAR(*m.step_length_mean, -0.8 / 3.0, 1e-12);
+  EXPECT_NEAR(*m.step_length_rms, std::sqrt((0.09 + 0.16 + 0.49) / 3.0), 1e-12);
+  // Rotations 0.1, 1.4, 1.6 for 0, 1.6, 2 pi - 4.7; errors 0.1, -0.2, 6.3 - 2 pi.
+  const double last = 6.3 - 2.0 * kPi;
+  EXPECT_NEAR(*m.step_rotation_mean, (-0.1 + last) / 3.0, 1e-12);
+  EXPECT_NEAR(*m.step_rotation_rms, std::sqrt((0.01 + 0.04 + last * last) / 3.0), 1e-12);
+  EXPECT_EQ(evaluation.position_errors.size(), 4u);
+  EXPECT_EQ(evaluation.path.size(), 4u);
+}
+
+TEST(TrajectoryMetricsTest, SpatialAlignmentCountsAltitudePlanarOnesDoNot) {
+  std::vector<StampedPose3> high = Loop(40);
+  for (size_t i = 0; i < high.size(); ++i) high[i].position.z() += i % 2 == 0 ? 0.5 : -0.5;
+  const std::vector<PosePair> pairs = Pairs(Loop(40), high);
+  EXPECT_LT(EvaluateTrajectory(pairs, true, AlignmentKind::kSe2).metrics.position_rms, 1e-9);
+  const TrajectoryMetrics spatial = EvaluateTrajectory(pairs, true, AlignmentKind::kSe3).metrics;
+  EXPECT_NEAR(spatial.position_rms, 0.5, 0.01);
+  EXPECT_LT(spatial.ate_rmse, 1e-9);
+}
+
+TEST(TrajectoryMetricsTest, AMovedCopyHasNoErrorAfterAlignment) {
+  const std::vector<StampedPose3> references = Loop(60);
+  const Eigen::Isometry3d planar =
+      Eigen::Translation3d(100.0, -50.0, 0.0) * Eigen::AngleAxisd(2.1, Eigen::Vector3d::UnitZ());
+  const Eigen::Isometry3d spatial = planar * Eigen::AngleAxisd(0.3, Eigen::Vector3d(1.0, 2.0, 0.0).normalized());
+  std::vector<StampedPose3> in_plane;
+  std::vector<StampedPose3> in_space;
+  for (const StampedPose3& pose : references) {
+    in_plane.push_back(Transform(planar, pose));
+    in_space.push_back(Transform(spatial, pose));
+  }
+  for (const AlignmentKind kind : {AlignmentKind::kOrigin, AlignmentKind::kSe2, AlignmentKind::kSe3}) {
+    const TrajectoryMetrics m =
+        EvaluateTrajectory(Pairs(kind == AlignmentKind::kSe3 ? in_space : in_plane, references), true, kind).metrics;
+    EXPECT_LT(m.position_rms, 1e-9) << ToString(kind);
+    EXPECT_LT(*m.heading_rms, 1e-9) << ToString(kind);
+    EXPECT_LT(*m.step_length_rms, 1e-9) << ToString(kind);
+    EXPECT_LT(*m.step_rotation_rms, 1e-9) << ToString(kind);
+    EXPECT_LT(m.end_error, 1e-9) << ToString(kind);
+    if (kind != AlignmentKind::kSe3) {
+      EXPECT_LT(m.ate_max, 1e-9) << ToString(kind);
+    }
+  }
+  const TrajectoryMetrics unaligned =
+      EvaluateTrajectory(Pairs(in_plane, references), true, AlignmentKind::kNone).metrics;
+  EXPECT_GT(unaligned.position_rms, 90.0);
+  EXPECT_NEAR(*unaligned.heading_mean, 2.1, 1e-9);
+  EXPECT_LT(unaligned.ate_max, 1e-9);
+}
+
+TEST(TrajectoryMetricsTest, OneOutlierShowsInTheMaximumNotInTheMedian) {
+  std::vector<StampedPose3> estimates = Loop(1001);
+  estimates[500].position.x() += 10.0;
+  const TrajectoryMetrics m = EvaluateTrajectory(Pairs(estimates, Loop(1001)), true, AlignmentKind::kSe2).metrics;
+  EXPECT_NEAR(m.ate_max, 10.0, 0.05);
+  EXPECT_LT(m.ate_median, 0.05);
+  EXPECT_NEAR(m.ate_rmse, 10.0 / std::sqrt(1001.0), 0.01);
+  EXPECT_EQ(m.ate_rmse, m.position_rms);
+}
+
+TEST(TrajectoryMetricsTest, MedianOfAnEvenCountIsTheMiddleOfTheMiddleTwo) {
+  // Symmetric about both axes, so that the alignment stays the identity: errors 1, 1, 3, 3.
+  const std::vector<PosePair> pairs = {{PoseAt(0, 11.0, 0.0, 0.0, 0.0), PoseAt(0, 10.0, 0.0, 0.0, 0.0)},
+                                       {PoseAt(1, -11.0, 0.0, 0.0, 0.0), PoseAt(1, -10.0, 0.0, 0.0, 0.0)},
+                                       {PoseAt(2, 0.0, 13.0, 0.0, 0.0), PoseAt(2, 0.0, 10.0, 0.0, 0.0)},
+                                       {PoseAt(3, 0.0, -13.0, 0.0, 0.0), PoseAt(3, 0.0, -10.0, 0.0, 0.0)}};
+  const TrajectoryMetrics m = EvaluateTrajectory(pairs, true, AlignmentKind::kSe2).metrics;
+  EXPECT_NEAR(m.ate_median, 2.0, 1e-12);
+  EXPECT_NEAR(m.ate_max, 3.0, 1e-12);
+  EXPECT_NEAR(m.ate_rmse, std::sqrt(5.0), 1e-12);
+}
+
+TEST(TrajectoryMetricsTest, StepErrorsDoNotDependOnTheAlignment) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> noise(0.0, 0.2);
+  std::vector<StampedPose3> estimates = Loop(50);
+  for (StampedPose3& pose : estimates) {
+    pose.position += Eigen::Vector3d(noise(random), noise(random), 0.0);
+    pose.orientation = pose.orientation * Eigen::AngleAxisd(noise(random), Eigen::Vector3d::UnitZ());
+  }
+  const std::vector<PosePair> pairs = Pairs(estimates, Loop(50));
+  const TrajectoryMetrics none = EvaluateTrajectory(pairs, true, AlignmentKind::kNone).metrics;
+  for (const AlignmentKind kind : {AlignmentKind::kOrigin, AlignmentKind::kSe2}) {
+    const TrajectoryMetrics m = EvaluateTrajectory(pairs, true, kind).metrics;
+    EXPECT_NEAR(*m.step_length_mean, *none.step_length_mean, 1e-9);
+    EXPECT_NEAR(*m.step_rotation_rms, *none.step_rotation_rms, 1e-9);
+    EXPECT_NEAR(m.ate_rmse, none.ate_rmse, 1e-12);
+    EXPECT_GE(m.position_rms, m.ate_rmse - 1e-12);
+  }
+}
+
+TEST(TrajectoryMetricsTest, WithoutHeadingsTheirFiguresAreAbsent) {
+  const TrajectoryMetrics m = EvaluateTrajectory(HandMadePairs(), false, AlignmentKind::kSe2).metrics;
+  EXPECT_FALSE(m.heading_mean);
+  EXPECT_FALSE(m.heading_rms);
+  EXPECT_FALSE(m.step_rotation_mean);
+  EXPECT_FALSE(m.step_rotation_rms);
+  EXPECT_TRUE(m.step_length_mean);
+}
+
+TEST(TrajectoryMetricsTest, OnePoseHasNoSteps) {
+  const std::vector<PosePair> one = {HandMadePairs()[2]};
+  const TrajectoryEvaluation evaluation = EvaluateTrajectory(one, true, AlignmentKind::kNone);
+  EXPECT_NEAR(evaluation.metrics.position_mean, 0.5, 1e-12);
+  EXPECT_NEAR(*evaluation.metrics.heading_mean, 0.1, 1e-12);
+  EXPECT_FALSE(evaluation.metrics.step_length_mean);
+  EXPECT_FALSE(evaluation.metrics.step_rotation_mean);
+  EXPECT_FALSE(evaluation.metrics.position_percent);
+  EXPECT_EQ(evaluation.path_length(), 0.0);
+  EXPECT_NEAR(evaluation.metrics.ate_rmse, 0.0, 1e-12);
+  EXPECT_THROW(EvaluateTrajectory({}, true, AlignmentKind::kSe2), std::invalid_argument);
+}
+
+TEST(TrajectoryMetricsTest, AReferenceThatStandsStillHasNoPercentage) {
+  std::vector<PosePair> pairs = HandMadePairs();
+  for (PosePair& pair : pairs) pair.reference = pairs[0].reference;
+  const TrajectoryMetrics m = EvaluateTrajectory(pairs, true, AlignmentKind::kSe2).metrics;
+  EXPECT_FALSE(m.position_percent);
+  EXPECT_TRUE(std::isfinite(m.ate_rmse));
+}
+
+TEST(TrajectoryMetricsTest, FieldsCoverEveryFigureOnce) {
+  TrajectoryMetrics m;
+  m.position_mean = 1.0;
+  m.position_rms = 2.0;
+  m.heading_mean = 3.0;
+  m.heading_rms = 4.0;
+  m.step_length_mean = 5.0;
+  m.step_length_rms = 6.0;
+  m.step_rotation_mean = 7.0;
+  m.step_rotation_rms = 8.0;
+  m.position_percent = 9.0;
+  m.end_error = 10.0;
+  m.ate_rmse = 11.0;
+  m.ate_median = 12.0;
+  m.ate_max = 13.0;
+  std::set<std::string> keys;
+  double expected = 1.0;
+  for (const MetricField& field : MetricFields()) {
+    EXPECT_EQ(field.value(m), expected) << field.key;
+    expected += 1.0;
+    keys.insert(field.key);
+  }
+  EXPECT_EQ(keys.size(), 13u);
+}
+
+TEST(RunSummaryTest, MeanAndHalfWidth) {
+  // sd of 1, 2, 3, 6 with N - 1 is sqrt(14 / 3).
+  const std::optional<RunSummary> summary = SummarizeRuns({1.0, 2.0, 3.0, 6.0});
+  ASSERT_TRUE(summary);
+  EXPECT_EQ(summary->num_runs, 4u);
+  EXPECT_NEAR(summary->mean, 3.0, 1e-12);
+  EXPECT_NEAR(*summary->half_width, 1.96 * std::sqrt(14.0 / 3.0) / 2.0, 1e-12);
+}
+
+TEST(RunSummaryTest, OneRunHasNoHalfWidthAndNoneNoSummary) {
+  EXPECT_FALSE(SummarizeRuns({}));
+  const std::optional<RunSummary> summary = SummarizeRuns({4.0});
+  ASSERT_TRUE(summary);
+  EXPECT_EQ(summary->mean, 4.0);
+  EXPECT_FALSE(summary->half_width);
+}
+
+}  // namespace
+}  // namespace arborslam
