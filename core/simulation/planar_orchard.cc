@@ -51,10 +51,10 @@ ClosedPath Serpentine(const PlanarOrchardOptions& options) {
 
 std::string PlanarOrchardOptions::Validate() const {
   if (seed < 0) return Violation("seed", seed, "be at least 0");
-  if (rows < 2 || rows > 1000) return Violation("rows", rows, "lie in [2, 1000]");
-  if (trees_per_row < 2 || trees_per_row > 1000) return Violation("trees_per_row", trees_per_row, "lie in [2, 1000]");
-  if (foliage_per_tree < 0 || foliage_per_tree > 100) {
-    return Violation("foliage_per_tree", foliage_per_tree, "lie in [0, 100]");
+  if (rows < 2 || rows > 200) return Violation("rows", rows, "lie in [2, 200]");
+  if (trees_per_row < 2 || trees_per_row > 500) return Violation("trees_per_row", trees_per_row, "lie in [2, 500]");
+  if (foliage_per_tree < 0 || foliage_per_tree > 20) {
+    return Violation("foliage_per_tree", foliage_per_tree, "lie in [0, 20]");
   }
   if (num_scans < 0) return Violation("num_scans", num_scans, "be at least 0");
 

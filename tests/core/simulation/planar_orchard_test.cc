@@ -233,7 +233,7 @@ TEST(PlanarOrchardOptionsTest, ValidateNamesTheKey) {
     change(&options);
     return options.Validate();
   };
-  EXPECT_EQ(problem([](auto* o) { o->rows = 1; }), "rows is 1, must lie in [2, 1000]");
+  EXPECT_EQ(problem([](auto* o) { o->rows = 1; }), "rows is 1, must lie in [2, 200]");
   EXPECT_EQ(problem([](auto* o) { o->missing_trees = 1.5; }), "missing_trees is 1.5, must lie in [0, 1]");
   EXPECT_EQ(problem([](auto* o) { o->radius_spread = 0.09; }), "radius_spread is 0.09, must lie in [0, trunk_radius)");
   EXPECT_EQ(problem([](auto* o) { o->lidar.beams = 1; }), "beams is 1, must lie in [3, 100000]");
