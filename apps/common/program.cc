@@ -9,6 +9,16 @@
 
 #include "apps/common/version.h"
 
+#ifdef __SANITIZE_ADDRESS__
+// Fontconfig loses one pattern for each font that cairo loads, once a process: not ours to mend.
+extern "C" {
+const char* __lsan_default_suppressions();
+const char* __lsan_default_suppressions() { return "leak:libfontconfig\n"; }
+const char* __lsan_default_options();
+const char* __lsan_default_options() { return "print_suppressions=0"; }
+}
+#endif
+
 namespace arborslam {
 namespace {
 

@@ -19,7 +19,7 @@ namespace {
 
 // Layout [px].
 constexpr double kWidth = 1000.0;
-constexpr double kMarginLeft = 80.0;
+constexpr double kMarginLeft = 92.0;
 constexpr double kMarginRight = 30.0;
 constexpr double kHeaderHeight = 92.0;
 constexpr double kAxisLabelHeight = 56.0;
@@ -158,7 +158,7 @@ void DrawAxes(cairo_t* cr, const Panel& panel, double x_step, double y_step, con
   SetFont(cr, kTextSize);
   DrawText(cr, x_label, panel.left + 0.5 * panel.width, bottom + 39.0, Anchor::kCentre);
   cairo_save(cr);
-  cairo_translate(cr, 28.0, panel.top + 0.5 * panel.height);
+  cairo_translate(cr, 22.0, panel.top + 0.5 * panel.height);
   cairo_rotate(cr, -0.5 * kPi);
   DrawText(cr, y_label, 0.0, 0.0, Anchor::kCentre);
   cairo_restore(cr);

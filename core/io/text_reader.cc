@@ -39,12 +39,16 @@ bool TextReader::Next() {
       throw UserError(Place(), "is longer than " + std::to_string(kMaxLineLength - 1) + " characters",
                       "check that this is a text file of the right kind");
     }
+    const std::streamsize length = stream_.gcount() - (stream_.eof() ? 0 : 1);  // Without the line's end.
+    if (std::strlen(line_.data()) != static_cast<size_t>(length)) {
+      throw UserError(Place(), "holds a zero byte", "check that this is a text file of the right kind");
+    }
     const char* field = line_.data() + std::strspn(line_.data(), kSpace);
     if (*field == '#') continue;
     while (*field != '\0') {
-      const size_t length = std::strcspn(field, kSpace);
-      fields_.emplace_back(field, length);
-      field += length;
+      const size_t field_length = std::strcspn(field, kSpace);
+      fields_.emplace_back(field, field_length);
+      field += field_length;
       field += std::strspn(field, kSpace);
     }
   }

@@ -2,6 +2,7 @@
 
 #include <glog/logging.h>
 
+#include <array>
 #include <cmath>
 #include <iomanip>
 #include <optional>
@@ -38,11 +39,13 @@ Trajectory3 ReadTum(const std::string& path) {
   Trajectory3 trajectory;
   while (reader.Next()) {
     reader.ExpectFields(8, kTumLayout);
+    constexpr std::array<const char*, 8> kNames = {"stamp", "x", "y", "z", "qx", "qy", "qz", "qw"};
+    std::array<double, 8> values;
+    for (size_t i = 0; i < values.size(); ++i) values[i] = reader.Number(i, kNames[i]);
     StampedPose3 pose;
-    pose.stamp = reader.Number(0, "stamp");
-    pose.position = {reader.Number(1, "x"), reader.Number(2, "y"), reader.Number(3, "z")};
-    pose.orientation.coeffs() << reader.Number(4, "qx"), reader.Number(5, "qy"), reader.Number(6, "qz"),
-        reader.Number(7, "qw");
+    pose.stamp = values[0];
+    pose.position = {values[1], values[2], values[3]};
+    pose.orientation = Eigen::Quaterniond(values[7], values[4], values[5], values[6]);
     const double norm = pose.orientation.norm();
     if (!(std::abs(norm - 1.0) <= kNormTolerance)) {
       throw UserError(reader.Place(), "has a quaternion of norm " + ShortestText(norm),

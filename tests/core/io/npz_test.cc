@@ -236,7 +236,7 @@ TEST(Npz, ATruncatedArchiveIsAnErrorWhereverItIsCut) {
     const std::string path = folder.Write("cut.npz", whole.substr(0, whole.size() * sixteenths / 16));
     EXPECT_THAT(UserErrorOf([&] { NpzFile file(path); }), HasSubstr("damaged or incomplete")) << sixteenths;
   }
-  for (size_t size = 0; size < whole.size(); ++size) {
+  for (size_t size = 0; size < whole.size(); size += 7) {
     const std::string path = folder.Write("cut.npz", whole.substr(0, size));
     EXPECT_THAT(UserErrorOf([&] { NpzFile(path).Read("a"); }), HasSubstr("cut.npz")) << size;
   }
