@@ -7,7 +7,8 @@
 
 namespace arborslam {
 
-/// The least number of characters to insert, delete or replace that turns `a` into `b` (Levenshtein 1966).
+/// How many insertions, deletions and replacements of a character, or swaps of two neighbours, turn `a` into `b`
+/// (Damerau-Levenshtein, in the variant that edits no place twice).
 size_t EditDistance(const std::string& a, const std::string& b);
 
 /// The candidate with the least edit distance to `name`, the first of equals; empty if there are no candidates.

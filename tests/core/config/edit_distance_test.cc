@@ -15,7 +15,9 @@ size_t BruteForceDistance(const std::string& a, const std::string& b) {
   const std::string a_rest = a.substr(1);
   const std::string b_rest = b.substr(1);
   const size_t replaced = BruteForceDistance(a_rest, b_rest) + (a[0] == b[0] ? 0 : 1);
-  return std::min({replaced, BruteForceDistance(a_rest, b) + 1, BruteForceDistance(a, b_rest) + 1});
+  const size_t edited = std::min({replaced, BruteForceDistance(a_rest, b) + 1, BruteForceDistance(a, b_rest) + 1});
+  const bool swapped = a.size() > 1 && b.size() > 1 && a[0] == b[1] && a[1] == b[0];
+  return swapped ? std::min(edited, BruteForceDistance(a.substr(2), b.substr(2)) + 1) : edited;
 }
 
 TEST(EditDistanceTest, KnownWords) {
@@ -24,6 +26,8 @@ TEST(EditDistanceTest, KnownWords) {
   EXPECT_EQ(EditDistance("abc", ""), 3u);
   EXPECT_EQ(EditDistance("kitten", "sitting"), 3u);
   EXPECT_EQ(EditDistance("alpha_min", "alpha_min"), 0u);
+  EXPECT_EQ(EditDistance("ahpla_min", "alpha_min"), 2u);
+  EXPECT_EQ(EditDistance("aplha_min", "alpha_min"), 1u);
 }
 
 TEST(EditDistanceTest, EqualsTheDefinitionOnRandomWords) {
