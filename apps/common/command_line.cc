@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "core/config/edit_distance.h"
+
 namespace arborslam {
 namespace {
 
@@ -91,33 +93,6 @@ std::vector<std::string> FlagsDefinedBeside(const std::string& source_file) {
     if (Folder(flag.filename) == Folder(source_file)) names.push_back(flag.name);
   }
   return names;
-}
-
-size_t EditDistance(const std::string& a, const std::string& b) {
-  const size_t columns = b.size() + 1;
-  std::vector<size_t> distance((a.size() + 1) * columns);
-  for (size_t i = 0; i <= a.size(); ++i) {
-    for (size_t j = 0; j <= b.size(); ++j) {
-      size_t& here = distance[i * columns + j];
-      if (i == 0 || j == 0) {
-        here = i + j;
-        continue;
-      }
-      const size_t substitution = distance[(i - 1) * columns + j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
-      here = std::min({distance[(i - 1) * columns + j] + 1, distance[i * columns + j - 1] + 1, substitution});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
-        here = std::min(here, distance[(i - 2) * columns + j - 2] + 1);
-      }
-    }
-  }
-  return distance.back();
-}
-
-std::string NearestName(const std::string& name, const std::vector<std::string>& candidates) {
-  const auto nearest = std::min_element(
-      candidates.begin(), candidates.end(),
-      [&](const std::string& a, const std::string& b) { return EditDistance(name, a) < EditDistance(name, b); });
-  return nearest == candidates.end() ? "" : *nearest;
 }
 
 }  // namespace arborslam

@@ -36,13 +36,6 @@ void SetFlags(const std::vector<std::string>& arguments, const std::vector<std::
 /// The names of the gflags that are defined in the folder of `source_file` (pass `__FILE__`).
 std::vector<std::string> FlagsDefinedBeside(const std::string& source_file);
 
-/// How many insertions, deletions and substitutions of a character, or swaps of two neighbours, lead from `a` to `b`
-/// (Damerau-Levenshtein, in the variant that edits no place twice).
-size_t EditDistance(const std::string& a, const std::string& b);
-
-/// The one of `candidates` nearest to `name` by `EditDistance` (of two as near, the first), or "" if there are none.
-std::string NearestName(const std::string& name, const std::vector<std::string>& candidates);
-
 }  // namespace arborslam
 
 #endif  // ARBORSLAM_APPS_COMMON_COMMAND_LINE_H_

@@ -98,21 +98,5 @@ TEST(ExtractMultiFlagTest, AFlagWithoutValueIsAnError) {
   }
 }
 
-TEST(EditDistanceTest, KnownDistances) {
-  EXPECT_EQ(EditDistance("", ""), 0u);
-  EXPECT_EQ(EditDistance("", "abc"), 3u);
-  EXPECT_EQ(EditDistance("kitten", "sitting"), 3u);
-  EXPECT_EQ(EditDistance("align", "algin"), 1u);
-  EXPECT_EQ(EditDistance("input", "inputs"), 1u);
-  EXPECT_EQ(EditDistance("abc", "xyz"), 3u);
-  EXPECT_EQ(EditDistance("flaw", "lawn"), EditDistance("lawn", "flaw"));
-}
-
-TEST(NearestNameTest, OfTwoAsNearTheFirst) {
-  EXPECT_EQ(NearestName("outptu", {"input", "output"}), "output");
-  EXPECT_EQ(NearestName("x", {"a", "b"}), "a");
-  EXPECT_EQ(NearestName("x", {}), "");
-}
-
 }  // namespace
 }  // namespace arborslam

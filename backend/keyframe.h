@@ -1,0 +1,18 @@
+#ifndef ARBORSLAM_BACKEND_KEYFRAME_H_
+#define ARBORSLAM_BACKEND_KEYFRAME_H_
+
+#include "core/map/ids.h"
+#include "core/sensor/planar_scan.h"
+
+namespace arborslam {
+
+/// A scan that is kept, as a variable of the estimation.
+struct Keyframe {
+  KeyframeId id;
+  PlanarScan scan;
+  bool inserted = false;  ///< Good enough to be part of the maps.
+};
+
+}  // namespace arborslam
+
+#endif  // ARBORSLAM_BACKEND_KEYFRAME_H_

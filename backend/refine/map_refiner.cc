@@ -1,0 +1,75 @@
+#include "backend/refine/map_refiner.h"
+
+#include <algorithm>
+#include <set>
+
+#include "core/config/validation.h"
+#include "core/parallel.h"
+
+namespace arborslam {
+
+std::string MapRefinementOptions::Validate() const {
+  if (num_passes < 0 || num_passes > 100) return Violation("num_passes", num_passes, "must lie in [0, 100]");
+  if (!(radius >= 0.0)) return Violation("radius", radius, "must be at least 0 m");
+  return "";
+}
+
+MapRefiner::MapRefiner(const MapRefinementOptions& options, const OccupancyGridOptions& grid, double min_occupancy,
+                       double max_distance, const Matcher& matcher)
+    : options_(options),
+      grid_options_(grid),
+      min_log_odds_(static_cast<float>(LogOddsOf(min_occupancy))),
+      max_distance_(max_distance),
+      matcher_(matcher) {}
+
+PoseGraph MapRefiner::Remeasure(const PoseGraph& graph, const std::vector<Keyframe>& keyframes,
+                                std::vector<Submap>* submaps, int num_threads) const {
+  // By submap: what its own keyframes and what other ones measured.
+  std::vector<std::vector<Constraint>> own(submaps->size());
+  std::vector<std::vector<Constraint>> foreign(submaps->size());
+  ParallelFor(submaps->size(), num_threads, [&](size_t i) {
+    Submap& submap = (*submaps)[i];
+    const SE2 T_submap_map = graph.Pose(submap.id).Inverse();
+    OccupancyGrid grid(grid_options_);
+    for (const KeyframeId id : submap.keyframes) {
+      grid.Insert(T_submap_map * graph.Pose(id), keyframes[static_cast<size_t>(id.value)].scan);
+    }
+    submap.cells = grid.OccupiedCells(min_log_odds_);
+    const MatchTarget target(submap.cells, grid_options_.cell_size, max_distance_);
+    for (const Keyframe& keyframe : keyframes) {
+      const SE2& T_map_keyframe = graph.Pose(keyframe.id);
+      const bool near = std::any_of(submap.keyframes.begin(), submap.keyframes.end(), [&](KeyframeId member) {
+        return (graph.Pose(member).translation() - T_map_keyframe.translation()).norm() <= options_.radius;
+      });
+      if (!near) continue;
+      const MatchResult match = matcher_.MatchNear(target, keyframe.scan.points, T_submap_map * T_map_keyframe);
+      if (!IsUsable(match.verdict)) continue;
+      const bool is_own = std::binary_search(submap.keyframes.begin(), submap.keyframes.end(), keyframe.id);
+      (is_own ? own : foreign)[i].push_back({submap.id, keyframe.id, match.pose, match.information,
+                                             is_own ? Constraint::Kind::kSubmap : Constraint::Kind::kLoop});
+    }
+  });
+
+  PoseGraph refined;
+  for (const auto& [id, pose] : graph.poses()) refined.AddNode(id, pose);
+  for (const Constraint& constraint : graph.constraints()) {
+    if (constraint.kind == Constraint::Kind::kMotion) refined.AddConstraint(constraint);
+  }
+  // A scan that is part of a map matches it where it already lies, which would hold every pose where it is. So a
+  // submap's own keyframes count only where no other submap has seen them.
+  std::set<NodeId> seen_by_others;
+  for (const auto& of_submap : foreign) {
+    for (const Constraint& constraint : of_submap) {
+      refined.AddConstraint(constraint);
+      seen_by_others.insert(constraint.to);
+    }
+  }
+  for (const auto& of_submap : own) {
+    for (const Constraint& constraint : of_submap) {
+      if (seen_by_others.count(constraint.to) == 0) refined.AddConstraint(constraint);
+    }
+  }
+  return refined;
+}
+
+}  // namespace arborslam

@@ -1,0 +1,63 @@
+#ifndef ARBORSLAM_BACKEND_SLAM_OPTIONS_H_
+#define ARBORSLAM_BACKEND_SLAM_OPTIONS_H_
+
+#include <string>
+
+#include "backend/graph/pose_graph.h"
+#include "backend/loop/loop_closer.h"
+#include "backend/refine/map_refiner.h"
+#include "core/map/occupancy_grid.h"
+#include "frontend/matching/matcher.h"
+#include "frontend/matching/modified_hausdorff.h"
+#include "frontend/matching/refinement.h"
+#include "frontend/projection/laser_projection.h"
+#include "frontend/tracking/motion_model.h"
+#include "frontend/tracking/tracker.h"
+
+namespace arborslam {
+
+struct WindowOptions {
+  int num_keyframes = 15;  ///< Keyframes whose poses are still open.
+
+  std::string Validate() const;
+
+  template <class Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("num_keyframes", num_keyframes);
+  }
+};
+
+/// Everything that can be set, one section per module.
+struct SlamOptions {
+  ProjectionOptions projection;
+  MotionOptions motion;
+  OccupancyGridOptions grid;
+  MhdOptions mhd;
+  MatcherOptions matcher;
+  RefinementOptions refinement;
+  TrackerOptions tracker;
+  WindowOptions window;
+  LoopOptions loop;
+  PoseGraphOptions graph;
+  MapRefinementOptions map_refinement;
+
+  /// Calls `visit(section name, section)` for every section.
+  template <class Visitor>
+  void VisitSections(Visitor&& visit) {
+    visit("projection", projection);
+    visit("motion", motion);
+    visit("grid", grid);
+    visit("mhd", mhd);
+    visit("matcher", matcher);
+    visit("refinement", refinement);
+    visit("tracker", tracker);
+    visit("window", window);
+    visit("loop", loop);
+    visit("graph", graph);
+    visit("map_refinement", map_refinement);
+  }
+};
+
+}  // namespace arborslam
+
+#endif  // ARBORSLAM_BACKEND_SLAM_OPTIONS_H_

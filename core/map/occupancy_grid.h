@@ -1,0 +1,106 @@
+#ifndef ARBORSLAM_CORE_MAP_OCCUPANCY_GRID_H_
+#define ARBORSLAM_CORE_MAP_OCCUPANCY_GRID_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/geometry/se2.h"
+#include "core/sensor/planar_scan.h"
+
+namespace arborslam {
+
+/// How a grid weighs its evidence.
+struct OccupancyGridOptions {
+  double cell_size = 0.05;        ///< [m], edge of a cell.
+  double hit_probability = 0.8;   ///< P(occupied | the cell was hit), in (0.5, 1). The paper's public code: 0.8.
+  double miss_probability = 0.4;  ///< P(occupied | a ray passed), in (0, 0.5). The paper's public code: 0.2.
+  double min_probability = 0.12;  ///< log-odds are clamped here from below, so that a cell can be won back.
+  double max_probability = 0.97;  ///< log-odds are clamped here from above, so that a cell can be lost again.
+
+  std::string Validate() const;
+
+  template <class Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("cell_size", cell_size);
+    visit("hit_probability", hit_probability);
+    visit("miss_probability", miss_probability);
+    visit("min_probability", min_probability);
+    visit("max_probability", max_probability);
+  }
+};
+
+/// A cell that holds something, with the mean of the hits it received.
+struct OccupiedCell {
+  Eigen::Vector2f centroid;  ///< [m], in the grid's frame: where in the cell the returns lie.
+  float log_odds;            ///< of being occupied.
+};
+
+/// Log-odds occupancy over a plane that grows as scans come in (Moravec and Elfes 1985; Thrun et al. 2005, ch. 9).
+/// A scan updates a cell once: a hit if any of its returns lies in it, else a miss if any ray passes through it.
+class OccupancyGrid {
+ public:
+  explicit OccupancyGrid(const OccupancyGridOptions& options);
+
+  /// Adds a scan taken at `T_grid_base`.
+  void Insert(const SE2& T_grid_base, const PlanarScan& scan);
+
+  int width() const { return width_; }    ///< [cells] along x.
+  int height() const { return height_; }  ///< [cells] along y.
+  double cell_size() const { return options_.cell_size; }
+  /// Corner [m] of cell (0, 0) in the grid's frame.
+  Eigen::Vector2d origin() const;
+
+  /// Log-odds of the cell at column `x`, row `y`; 0 where nothing is known.
+  float LogOdds(int x, int y) const { return cells_[Index(x, y)].log_odds; }
+  /// True if a ray ever met or passed the cell.
+  bool IsKnown(int x, int y) const { return cells_[Index(x, y)].last_scan != 0; }
+
+  /// Cells that were hit and whose log-odds are at least `min_log_odds`, in the order of their first hits.
+  std::vector<OccupiedCell> OccupiedCells(float min_log_odds) const;
+
+ private:
+  struct Cell {
+    float log_odds = 0.0f;
+    uint32_t last_scan = 0;  // Number of the scan that last updated the cell, from 1 on.
+    int32_t hits = -1;       // Index into hits_, or -1.
+  };
+  // What is kept of a cell that was hit.
+  struct Hits {
+    int64_t x;  // The cell of the plane.
+    int64_t y;
+    Eigen::Vector2f sum;  // Of the hits' positions relative to the cell's corner [m].
+    float count;
+  };
+
+  size_t Index(int x, int y) const {
+    return static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x);
+  }
+  // Grows the grid so that it covers the box [m].
+  void Cover(const Eigen::Vector2d& low, const Eigen::Vector2d& high);
+  // Marks the cells from `from` to `to` [cells, continuous] as passed in this scan, all but the last.
+  void CastRay(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
+
+  OccupancyGridOptions options_;
+  float hit_log_odds_;
+  float miss_log_odds_;
+  float min_log_odds_;
+  float max_log_odds_;
+  int64_t first_x_ = 0;  // Cell (0, 0) covers [first_x_, first_x_ + 1) * cell_size.
+  int64_t first_y_ = 0;
+  int width_ = 0;
+  int height_ = 0;
+  std::vector<Cell> cells_;
+  std::vector<Hits> hits_;
+  uint32_t scan_ = 0;
+};
+
+/// log(p / (1 - p)).
+double LogOddsOf(double probability);
+/// The inverse of `LogOddsOf`.
+double ProbabilityOf(double log_odds);
+
+}  // namespace arborslam
+
+#endif  // ARBORSLAM_CORE_MAP_OCCUPANCY_GRID_H_

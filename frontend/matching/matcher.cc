@@ -1,0 +1,121 @@
+#include "frontend/matching/matcher.h"
+
+#include <algorithm>
+#include <sstream>
+
+namespace arborslam {
+namespace {
+
+// Poses nearer to the best one than this belong to the same mode.
+constexpr double kModeTranslation = 0.5;  // [m]
+constexpr double kModeRotation = 0.1;     // [rad]
+
+std::vector<Eigen::Vector2f> Subsample(const std::vector<Eigen::Vector2f>& points, int max_points) {
+  const size_t stride = (points.size() + static_cast<size_t>(max_points) - 1) / static_cast<size_t>(max_points);
+  if (stride <= 1) return points;
+  std::vector<Eigen::Vector2f> sample;
+  sample.reserve(points.size() / stride + 1);
+  for (size_t i = 0; i < points.size(); i += stride) sample.push_back(points[i]);
+  return sample;
+}
+
+}  // namespace
+
+std::string MatcherOptions::Validate() const {
+  std::ostringstream error;
+  if (!(max_distance > 0.0 && max_distance <= 5.0)) {
+    error << "max_distance is " << max_distance << " m, must lie in (0, 5]";
+  } else if (max_search_points < 10) {
+    error << "max_search_points is " << max_search_points << ", must be at least 10";
+  } else if (!(max_score > 0.0 && max_score <= max_distance)) {
+    error << "max_score is " << max_score << " m, must lie in (0, max_distance]";
+  } else if (min_points < 3) {
+    error << "min_points is " << min_points << ", must be at least 3";
+  } else if (!(max_second_ratio > 0.0 && max_second_ratio <= 1.0)) {
+    error << "max_second_ratio is " << max_second_ratio << ", must lie in (0, 1]";
+  }
+  return error.str();
+}
+
+const char* ToString(MatchVerdict verdict) {
+  switch (verdict) {
+    case MatchVerdict::kAccepted:
+      return "accepted";
+    case MatchVerdict::kTooFewPoints:
+      return "too few points";
+    case MatchVerdict::kPoor:
+      return "poor";
+    case MatchVerdict::kAmbiguous:
+      return "ambiguous";
+    case MatchVerdict::kDegenerate:
+      return "degenerate";
+  }
+  return "unknown";
+}
+
+Matcher::Matcher(const MatcherOptions& options, const MhdOptions& mhd, const RefinementOptions& refinement)
+    : options_(options), mhd_(mhd), refinement_(refinement) {}
+
+MatchResult Matcher::Match(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& prediction,
+                           const SearchWindow& window, bool check_uniqueness) const {
+  return MatchBetter(target, points, prediction, window, options_.max_distance, check_uniqueness);
+}
+
+MatchResult Matcher::MatchBetter(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,
+                                 const SE2& prediction, const SearchWindow& window, double max_score,
+                                 bool check_uniqueness) const {
+  MatchResult result;
+  result.pose = prediction;
+  result.num_points = static_cast<int>(points.size());
+  result.score = options_.max_distance;
+  if (result.num_points < options_.min_points || target.empty()) return result;
+
+  const std::vector<Eigen::Vector2f> sample = Subsample(points, options_.max_search_points);
+  const std::optional<SearchResult> found = BranchAndBound(target, sample, prediction, window, mhd_, max_score);
+  if (!found) {
+    result.verdict = MatchVerdict::kPoor;
+    return result;
+  }
+  result = RefineAndJudge(target, points, found->pose, prediction);
+  result.num_scored = found->num_scored;
+  if (check_uniqueness && IsUsable(result.verdict)) {
+    const double limit = found->score / options_.max_second_ratio;
+    const std::optional<SearchResult> second = BranchAndBound(target, sample, prediction, window, mhd_, limit,
+                                                              Exclusion{found->pose, kModeTranslation, kModeRotation});
+    if (second) {
+      result.verdict = MatchVerdict::kAmbiguous;
+      result.second_score = second->score;
+      result.num_scored += second->num_scored;
+    }
+  }
+  return result;
+}
+
+MatchResult Matcher::MatchNear(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,
+                               const SE2& initial) const {
+  MatchResult result;
+  result.pose = initial;
+  result.num_points = static_cast<int>(points.size());
+  result.score = options_.max_distance;
+  if (result.num_points < options_.min_points || target.empty()) return result;
+  return RefineAndJudge(target, points, initial, initial);
+}
+
+MatchResult Matcher::RefineAndJudge(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,
+                                    const SE2& initial, const SE2& prediction) const {
+  const RefinementResult refined = Refine(target, points, initial, prediction, mhd_, refinement_);
+  MatchResult result;
+  result.pose = refined.pose;
+  result.information = refined.information;
+  result.score = refined.mhd.score;
+  result.inlier_ratio = refined.mhd.inlier_ratio;
+  result.num_points = static_cast<int>(points.size());
+  result.num_degenerate = refined.num_degenerate;
+  result.verdict = result.score > options_.max_score ? MatchVerdict::kPoor
+                   : refined.num_degenerate == 3     ? MatchVerdict::kTooFewPoints
+                   : refined.num_degenerate > 0      ? MatchVerdict::kDegenerate
+                                                     : MatchVerdict::kAccepted;
+  return result;
+}
+
+}  // namespace arborslam

@@ -1,0 +1,95 @@
+#ifndef ARBORSLAM_FRONTEND_MATCHING_MATCHER_H_
+#define ARBORSLAM_FRONTEND_MATCHING_MATCHER_H_
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "core/geometry/se2.h"
+#include "frontend/matching/branch_and_bound.h"
+#include "frontend/matching/match_target.h"
+#include "frontend/matching/modified_hausdorff.h"
+#include "frontend/matching/refinement.h"
+
+namespace arborslam {
+
+struct MatcherOptions {
+  double max_distance = 0.2;    ///< [m], D_max: points farther from the map than this are outliers (paper: 2-4 cells).
+  int max_search_points = 200;  ///< The search uses about this many of a scan's points.
+  double max_score = 0.15;      ///< [m], a match whose MHD is above this is poor.
+  int min_points = 30;          ///< A scan with fewer points is not matched.
+  double max_second_ratio = 0.7;  ///< A match is ambiguous when score / second mode's score exceeds this.
+
+  std::string Validate() const;
+
+  template <class Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("max_distance", max_distance);
+    visit("max_search_points", max_search_points);
+    visit("max_score", max_score);
+    visit("min_points", min_points);
+    visit("max_second_ratio", max_second_ratio);
+  }
+};
+
+/// What a match is worth.
+enum class MatchVerdict {
+  kAccepted,
+  kTooFewPoints,  ///< The scan or the map has next to nothing to match.
+  kPoor,          ///< Score above the gate: spoilt scan, or the place was not found.
+  kAmbiguous,     ///< Another pose, well apart, is nearly as good.
+  kDegenerate,    ///< Good, but the pose is unknown along at least one direction, where it is the prediction's.
+};
+
+/// "accepted", "too few points", ...
+const char* ToString(MatchVerdict verdict);
+
+/// True for the verdicts whose pose and information may be used.
+inline bool IsUsable(MatchVerdict verdict) {
+  return verdict == MatchVerdict::kAccepted || verdict == MatchVerdict::kDegenerate;
+}
+
+struct MatchResult {
+  MatchVerdict verdict = MatchVerdict::kTooFewPoints;
+  SE2 pose;  ///< T_target_base; the prediction when nothing was found.
+  /// (x, y, theta) in the base frame, [m, rad]; 0 in degenerate directions.
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  double score = 0.0;         ///< [m], MHD to the landmarks' centroids.
+  double inlier_ratio = 0.0;  ///< Share of the points nearer to the map than D_max.
+  double second_score = 0.0;  ///< [m], of the best pose well apart from this one; 0 when it was not looked for.
+  int num_points = 0;
+  int num_degenerate = 0;  ///< Directions that the map does not determine.
+  int64_t num_scored = 0;  ///< Poses and boxes of poses that the search scored.
+};
+
+/// Scan to map by exhaustive-equivalent search and continuous refinement (design section 3, step 6).
+class Matcher {
+ public:
+  Matcher(const MatcherOptions& options, const MhdOptions& mhd, const RefinementOptions& refinement);
+
+  /// Searches `window` around `prediction` (T_target_base), then refines. With `check_uniqueness`, the search is
+  /// repeated without the neighbourhood of its winner to see whether a second pose is nearly as good.
+  MatchResult Match(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& prediction,
+                    const SearchWindow& window, bool check_uniqueness = false) const;
+
+  /// The same for a search that is only of use if it finds something better than `max_score` [m]; `kPoor`, with a score
+  /// of D_max, when it does not.
+  MatchResult MatchBetter(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& prediction,
+                          const SearchWindow& window, double max_score, bool check_uniqueness = false) const;
+
+  /// Refines from `initial` without a search.
+  MatchResult MatchNear(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,
+                        const SE2& initial) const;
+
+ private:
+  MatchResult RefineAndJudge(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& initial,
+                             const SE2& prediction) const;
+
+  MatcherOptions options_;
+  MhdOptions mhd_;
+  RefinementOptions refinement_;
+};
+
+}  // namespace arborslam
+
+#endif  // ARBORSLAM_FRONTEND_MATCHING_MATCHER_H_

@@ -1,0 +1,230 @@
+#include "frontend/matching/refinement.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <sstream>
+
+#include "core/geometry/angles.h"
+
+namespace arborslam {
+namespace {
+
+// [m], edge of the patches within which residuals are taken to err together.
+constexpr float kPatchSize = 0.5f;
+
+// A point beside the landmark it was matched to.
+struct Pair {
+  Eigen::Vector2f lever;     // [m], from the base to the point, target's axes.
+  Eigen::Vector2f residual;  // [m], from the landmark to the point.
+  float distance;            // [m]
+  const MatchTarget::Landmark* landmark;
+};
+
+struct NormalEquations {
+  Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+};
+
+class Refiner {
+ public:
+  Refiner(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const MhdOptions& mhd,
+          const RefinementOptions& options)
+      : target_(target), points_(points), mhd_options_(mhd), options_(options) {
+    pairs_.reserve(points.size());
+    distances_.reserve(points.size());
+  }
+
+  RefinementResult Run(const SE2& initial, const SE2& prediction) {
+    RefinementResult result;
+    result.pose = Iterate(initial, Eigen::Matrix3d::Identity(), &result.iterations);
+    Associate(result.pose);
+    const NormalEquations normal = Accumulate();
+    FindDegenerate(result.pose, normal.hessian, &result);
+    if (result.num_degenerate > 0) {
+      // Along the degenerate directions the search and the steps above went astray: go back to the prediction there,
+      // and refine the others once more.
+      const Eigen::Matrix3d free = Eigen::Matrix3d::Identity() - Projector(result);
+      const SE2 to_prediction = result.pose.Inverse() * prediction;
+      const Eigen::Vector3d scale(1.0, 1.0, options_.lever_arm);
+      const Eigen::Vector3d back =
+          (Projector(result) * to_prediction.vector().cwiseProduct(scale)).cwiseQuotient(scale);
+      result.pose = Iterate(result.pose * SE2(back.x(), back.y(), back.z()), free, &result.iterations);
+      Associate(result.pose);
+    }
+    result.mhd = mhd_;
+    result.information = Information(result.pose, result);
+    return result;
+  }
+
+ private:
+  // Fills pairs_ and mhd_ for a pose.
+  void Associate(const SE2& pose) {
+    pairs_.clear();
+    distances_.clear();
+    const Eigen::Matrix2f rotation = pose.rotation().cast<float>();
+    const Eigen::Vector2f translation = pose.translation().cast<float>();
+    const float max_distance = target_.field().max_distance();
+    for (const Eigen::Vector2f& point : points_) {
+      const Eigen::Vector2f lever = rotation * point;
+      const Eigen::Vector2f position = lever + translation;
+      const MatchTarget::Landmark* landmark = target_.Nearest(position);
+      if (landmark == nullptr) {
+        distances_.push_back(max_distance);
+        continue;
+      }
+      const Eigen::Vector2f residual = position - landmark->centroid;
+      const float distance = residual.norm();
+      distances_.push_back(distance);
+      pairs_.push_back({lever, residual, distance, landmark});
+    }
+    mhd_ = ModifiedHausdorff(&distances_, max_distance, mhd_options_);
+  }
+
+  float Weight(const Pair& pair) const {
+    const auto scale = static_cast<float>(options_.robust_scale);
+    return pair.landmark->weight * scale * scale / (scale * scale + pair.distance * pair.distance);
+  }
+
+  // The gradient's part of a pair, for a shift along the target's axes and a turn about the base.
+  static Eigen::Vector3f Gradient(const Pair& pair, float weight) {
+    const Eigen::Vector3f& information = pair.landmark->information;
+    const Eigen::Vector2f force(information.x() * pair.residual.x() + information.y() * pair.residual.y(),
+                                information.y() * pair.residual.x() + information.z() * pair.residual.y());
+    return weight * Eigen::Vector3f(force.x(), force.y(), pair.lever.x() * force.y() - pair.lever.y() * force.x());
+  }
+
+  NormalEquations Accumulate() const {
+    NormalEquations normal;
+    const auto cutoff = static_cast<float>(mhd_.cutoff);
+    for (const Pair& pair : pairs_) {
+      if (pair.distance > cutoff) continue;
+      const float weight = Weight(pair);
+      const Eigen::Vector3f& w = pair.landmark->information;
+      // Jacobian of the residual: [I, perp(lever)].
+      const Eigen::Vector2f turn(-pair.lever.y(), pair.lever.x());
+      const Eigen::Vector2f w_turn(w.x() * turn.x() + w.y() * turn.y(), w.y() * turn.x() + w.z() * turn.y());
+      Eigen::Matrix3f hessian;
+      hessian << w.x(), w.y(), w_turn.x(), w.y(), w.z(), w_turn.y(), w_turn.x(), w_turn.y(), turn.dot(w_turn);
+      normal.hessian += (weight * hessian).cast<double>();
+      normal.gradient += Gradient(pair, weight).cast<double>();
+    }
+    return normal;
+  }
+
+  // Gauss-Newton with steps confined to the image of `free` (x, y, theta * lever_arm; base frame).
+  SE2 Iterate(const SE2& initial, const Eigen::Matrix3d& free, int* iterations) {
+    SE2 pose = initial;
+    const Eigen::Vector3d scale(1.0, 1.0, options_.lever_arm);
+    for (int i = 0; i < options_.max_iterations; ++i) {
+      Associate(pose);
+      const NormalEquations normal = Accumulate();
+      const Eigen::Matrix3d to_base = ToBase(pose);
+      // Unit: a shift in metres, a turn in metres at the lever arm.
+      const Eigen::Matrix3d jacobian = to_base.transpose() * scale.cwiseInverse().asDiagonal();
+      Eigen::Matrix3d hessian = jacobian.transpose() * normal.hessian * jacobian;
+      const Eigen::Vector3d gradient = free * jacobian.transpose() * normal.gradient;
+      hessian = free * hessian * free + (Eigen::Matrix3d::Identity() - free);
+      hessian.diagonal().array() += 1e-9 + 1e-6 * hessian.trace();
+      const Eigen::Vector3d step = -hessian.ldlt().solve(gradient);
+      pose = pose * SE2(step.x(), step.y(), step.z() / options_.lever_arm);
+      ++*iterations;
+      if (step.norm() < options_.min_step) break;
+    }
+    return pose;
+  }
+
+  // Rotates shifts from the target's axes to the base's.
+  static Eigen::Matrix3d ToBase(const SE2& pose) {
+    Eigen::Matrix3d to_base = Eigen::Matrix3d::Identity();
+    to_base.topLeftCorner<2, 2>() = pose.rotation().transpose();
+    return to_base;
+  }
+
+  static Eigen::Matrix3d Projector(const RefinementResult& result) {
+    const auto basis = result.degenerate_basis.leftCols(result.num_degenerate);
+    return basis * basis.transpose();
+  }
+
+  void FindDegenerate(const SE2& pose, const Eigen::Matrix3d& hessian, RefinementResult* result) const {
+    const Eigen::Vector3d scale(1.0, 1.0, options_.lever_arm);
+    const Eigen::Matrix3d jacobian = ToBase(pose).transpose() * scale.cwiseInverse().asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(jacobian.transpose() * hessian * jacobian);
+    const double limit = options_.min_information_ratio * eigen.eigenvalues()(2);
+    for (int i = 0; i < 3 && eigen.eigenvalues()(i) <= limit; ++i) {
+      result->degenerate_basis.col(i) = eigen.eigenvectors().col(i);
+      result->num_degenerate = i + 1;
+    }
+  }
+
+  Eigen::Matrix3d Information(const SE2& pose, const RefinementResult& result) const {
+    const auto cutoff = static_cast<float>(mhd_.cutoff);
+    std::array<Eigen::Vector3d, 256> patches;
+    patches.fill(Eigen::Vector3d::Zero());
+    int num_used = 0;
+    for (const Pair& pair : pairs_) {
+      if (pair.distance > cutoff) continue;
+      // Neighbouring patches get different slots; far ones that share a slot do little harm.
+      const auto x = static_cast<unsigned>(static_cast<int>(std::floor(pair.landmark->centroid.x() / kPatchSize)));
+      const auto y = static_cast<unsigned>(static_cast<int>(std::floor(pair.landmark->centroid.y() / kPatchSize)));
+      patches[(x * 73856093u ^ y * 19349663u) % patches.size()] += Gradient(pair, Weight(pair)).cast<double>();
+      ++num_used;
+    }
+    if (num_used < 3) return Eigen::Matrix3d::Zero();
+    Eigen::Matrix3d meat = Eigen::Matrix3d::Zero();
+    int num_patches = 0;
+    for (const Eigen::Vector3d& patch : patches) {
+      meat += patch * patch.transpose();
+      num_patches += patch.squaredNorm() > 0.0;
+    }
+    // Small-sample correction: three parameters were fitted.
+    meat *= num_patches / std::max(1.0, num_patches - 3.0);
+    const Eigen::Vector3d scale(1.0, 1.0, options_.lever_arm);
+    const Eigen::Matrix3d jacobian = ToBase(pose).transpose() * scale.cwiseInverse().asDiagonal();
+    Eigen::Matrix3d hessian = jacobian.transpose() * Accumulate().hessian * jacobian;
+    meat = jacobian.transpose() * meat * jacobian;
+    // A perfect fit (simulated or tiny) still errs by the noise of a landmark.
+    meat += 1e-6 * hessian;
+    // Information = H meat^-1 H, confined to the directions that are known.
+    const Eigen::Matrix3d free = Eigen::Matrix3d::Identity() - Projector(result);
+    hessian = free * hessian * free;
+    const Eigen::Matrix3d information = free * hessian * meat.inverse() * hessian * free / options_.covariance_scale;
+    return scale.asDiagonal() * (0.5 * (information + information.transpose())) * scale.asDiagonal();
+  }
+
+  const MatchTarget& target_;
+  const std::vector<Eigen::Vector2f>& points_;
+  const MhdOptions mhd_options_;
+  const RefinementOptions options_;
+  std::vector<Pair> pairs_;
+  std::vector<float> distances_;
+  MhdResult mhd_;
+};
+
+}  // namespace
+
+std::string RefinementOptions::Validate() const {
+  std::ostringstream error;
+  if (max_iterations < 1 || max_iterations > 1000) {
+    error << "max_iterations is " << max_iterations << ", must lie in [1, 1000]";
+  } else if (!(robust_scale > 0.0 && robust_scale <= 10.0)) {
+    error << "robust_scale is " << robust_scale << " m, must lie in (0, 10]";
+  } else if (!(min_step > 0.0 && min_step <= 0.1)) {
+    error << "min_step is " << min_step << " m, must lie in (0, 0.1]";
+  } else if (!(min_information_ratio >= 0.0 && min_information_ratio < 1.0)) {
+    error << "min_information_ratio is " << min_information_ratio << ", must lie in [0, 1)";
+  } else if (!(lever_arm > 0.0 && lever_arm <= 1000.0)) {
+    error << "lever_arm is " << lever_arm << " m, must lie in (0, 1000]";
+  } else if (!(covariance_scale > 0.0 && covariance_scale <= 1e6)) {
+    error << "covariance_scale is " << covariance_scale << ", must lie in (0, 1e6]";
+  }
+  return error.str();
+}
+
+RefinementResult Refine(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& initial,
+                        const SE2& prediction, const MhdOptions& mhd, const RefinementOptions& options) {
+  return Refiner(target, points, mhd, options).Run(initial, prediction);
+}
+
+}  // namespace arborslam

@@ -1,0 +1,43 @@
+#include "frontend/tracking/motion_model.h"
+
+#include <algorithm>
+
+#include "core/config/validation.h"
+#include "core/geometry/angles.h"
+
+namespace arborslam {
+
+std::string MotionOptions::Validate() const {
+  if (model != "constant_velocity" && model != "unicycle" && model != "omnidirectional") {
+    return Violation("model", model, "must be constant_velocity, unicycle or omnidirectional");
+  }
+  if (!(max_extrapolation >= 0.0 && max_extrapolation <= 100.0)) {
+    return Violation("max_extrapolation", max_extrapolation, "must lie in [0, 100]");
+  }
+  if (!(translation_sigma > 0.0)) return Violation("translation_sigma", translation_sigma, "must be above 0 m");
+  if (!(rotation_sigma > 0.0)) return Violation("rotation_sigma", rotation_sigma, "must be above 0 rad");
+  return "";
+}
+
+SE2 PredictPose(const StampedPose& previous, const StampedPose& last, double stamp, const MotionOptions& options) {
+  const double last_step = last.stamp - previous.stamp;
+  if (last_step <= 0.0) return last.pose;
+  const double stretch = std::clamp((stamp - last.stamp) / last_step, 0.0, options.max_extrapolation);
+  if (options.model == "constant_velocity") {
+    const Eigen::Vector2d translation =
+        last.pose.translation() + stretch * (last.pose.translation() - previous.pose.translation());
+    const double turn = AngleDifference(last.pose.theta(), previous.pose.theta());
+    return SE2(translation.x(), translation.y(), last.pose.theta() + stretch * turn);
+  }
+  const SE2 step = previous.pose.Inverse() * last.pose;
+  const double turn = step.theta();
+  // The step as seen from its middle heading is the chord of an arc along which the velocity is constant in the robot's
+  // frame; the next arc's chord lies half its own turn further.
+  const Eigen::Vector2d chord = SE2(0.0, 0.0, -0.5 * turn) * step.translation();
+  const double sideways = options.model == "unicycle" ? 0.0 : chord.y();
+  const Eigen::Vector2d next =
+      SE2(0.0, 0.0, 0.5 * stretch * turn) * Eigen::Vector2d(stretch * chord.x(), stretch * sideways);
+  return last.pose * SE2(next.x(), next.y(), stretch * turn);
+}
+
+}  // namespace arborslam

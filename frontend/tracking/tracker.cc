@@ -1,0 +1,174 @@
+#include "frontend/tracking/tracker.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/config/validation.h"
+#include "core/geometry/angles.h"
+
+namespace arborslam {
+namespace {
+
+// A younger submap is matched to from this many scans on: before, its map is one scan's noise.
+constexpr size_t kMinKeyframesToMatch = 5;
+// [m], by how much more than a scan's own reach a target covers, so that it serves the next scans too.
+constexpr double kTargetMargin = 3.0;
+// A wide search is to find something clearly better than the near one did.
+constexpr double kWideGain = 0.8;
+
+}  // namespace
+
+std::string TrackerOptions::Validate() const {
+  if (!(near_translation > 0.0 && near_translation <= 20.0)) {
+    return Violation("near_translation", near_translation, "must lie in (0, 20] m");
+  }
+  if (!(near_rotation > 0.0 && near_rotation <= 3.15)) {
+    return Violation("near_rotation", near_rotation, "must lie in (0, 3.15] rad");
+  }
+  if (!(wide_translation >= near_translation && wide_translation <= 20.0)) {
+    return Violation("wide_translation", wide_translation, "must lie in [near_translation, 20] m");
+  }
+  if (!(wide_rotation >= near_rotation && wide_rotation <= 3.15)) {
+    return Violation("wide_rotation", wide_rotation, "must lie in [near_rotation, 3.15] rad");
+  }
+  if (!(rotation_step >= 0.0005 && rotation_step <= 0.2)) {
+    return Violation("rotation_step", rotation_step, "must lie in [0.0005, 0.2] rad");
+  }
+  if (!(wide_score > 0.0)) return Violation("wide_score", wide_score, "must be above 0 m");
+  if (!(max_insert_score > 0.0)) return Violation("max_insert_score", max_insert_score, "must be above 0 m");
+  if (!(submap_length > 0.0)) return Violation("submap_length", submap_length, "must be above 0 m");
+  if (rebuild_interval < 1) return Violation("rebuild_interval", rebuild_interval, "must be at least 1");
+  if (!(min_occupancy >= 0.5 && min_occupancy < 1.0)) {
+    return Violation("min_occupancy", min_occupancy, "must lie in [0.5, 1)");
+  }
+  if (!(keyframe_translation >= 0.0))
+    return Violation("keyframe_translation", keyframe_translation, "must be at least 0 m");
+  if (!(keyframe_rotation >= 0.0)) return Violation("keyframe_rotation", keyframe_rotation, "must be at least 0 rad");
+  if (!(keyframe_interval >= 0.0)) return Violation("keyframe_interval", keyframe_interval, "must be at least 0 s");
+  return "";
+}
+
+Tracker::Tracker(const TrackerOptions& options, const OccupancyGridOptions& grid, double max_distance,
+                 const Matcher& matcher)
+    : options_(options),
+      grid_options_(grid),
+      min_log_odds_(static_cast<float>(LogOddsOf(options.min_occupancy))),
+      max_distance_(max_distance),
+      matcher_(matcher) {}
+
+TrackingResult Tracker::Track(const std::vector<Eigen::Vector2f>& points, const SE2& prediction) {
+  TrackingResult result;
+  result.match.pose = prediction;
+  result.match.num_points = static_cast<int>(points.size());
+  if (active_.empty()) return result;
+  float reach = 0.0f;
+  for (const Eigen::Vector2f& point : points) reach = std::max(reach, point.squaredNorm());
+  const double scan_reach = std::sqrt(reach) + options_.wide_translation;
+
+  ActiveSubmap& older = active_.front();
+  const SE2 T_submap_prediction = older.T_odom_submap.Inverse() * prediction;
+  const MatchTarget& target = Target(T_submap_prediction, scan_reach, &older);
+  const SearchWindow near{options_.near_translation, options_.near_rotation, options_.rotation_step};
+  MatchResult match = matcher_.Match(target, points, T_submap_prediction, near);
+  if (match.verdict != MatchVerdict::kTooFewPoints && match.score > options_.wide_score) {
+    const SearchWindow wide{options_.wide_translation, options_.wide_rotation, options_.rotation_step};
+    const MatchResult wide_match =
+        matcher_.MatchBetter(target, points, T_submap_prediction, wide, kWideGain * match.score);
+    result.searched_wide = true;
+    if (wide_match.score < match.score) match = wide_match;
+  }
+  const SE2 T_submap_base = match.pose;
+  result.match = match;
+  result.match.pose = IsUsable(match.verdict) ? older.T_odom_submap * T_submap_base : prediction;
+  if (!IsUsable(match.verdict)) return result;
+  result.insert = match.score <= options_.max_insert_score;
+  result.measurements.push_back({older.id, T_submap_base, match.information});
+  for (size_t i = 1; i < active_.size(); ++i) {
+    ActiveSubmap& younger = active_[i];
+    if (younger.keyframes.size() < kMinKeyframesToMatch) continue;
+    const SE2 initial = younger.T_odom_submap.Inverse() * result.match.pose;
+    const MatchResult second = matcher_.MatchNear(Target(initial, scan_reach, &younger), points, initial);
+    if (IsUsable(second.verdict)) result.measurements.push_back({younger.id, second.pose, second.information});
+  }
+  return result;
+}
+
+const MatchTarget& Tracker::Target(const SE2& T_submap_base, double reach, ActiveSubmap* submap) const {
+  const double farthest = (T_submap_base.translation() - submap->target_center).norm() + reach;
+  // A young submap changes with every scan; later ones matter less and less.
+  const size_t allowed_age = std::min(static_cast<size_t>(options_.rebuild_interval) - 1, submap->target_keyframes / 4);
+  if (submap->target && farthest <= submap->target_reach &&
+      submap->keyframes.size() - submap->target_keyframes <= allowed_age) {
+    return *submap->target;
+  }
+  submap->target_center = T_submap_base.translation();
+  submap->target_reach = reach + kTargetMargin;
+  submap->target_keyframes = submap->keyframes.size();
+  std::vector<OccupiedCell> cells = submap->grid.OccupiedCells(min_log_odds_);
+  const Eigen::Vector2f center = submap->target_center.cast<float>();
+  const auto squared_reach = static_cast<float>(submap->target_reach * submap->target_reach);
+  cells.erase(
+      std::remove_if(cells.begin(), cells.end(),
+                     [&](const OccupiedCell& cell) { return (cell.centroid - center).squaredNorm() > squared_reach; }),
+      cells.end());
+  submap->target = std::make_unique<MatchTarget>(cells, grid_options_.cell_size, max_distance_);
+  return *submap->target;
+}
+
+bool Tracker::IsKeyframe(const StampedPose& last_keyframe, const StampedPose& pose) const {
+  const SE2 motion = last_keyframe.pose.Inverse() * pose.pose;
+  return motion.translation().norm() >= options_.keyframe_translation ||
+         std::abs(motion.theta()) >= options_.keyframe_rotation ||
+         pose.stamp - last_keyframe.stamp >= options_.keyframe_interval;
+}
+
+std::optional<Submap> Tracker::Insert(KeyframeId id, const PlanarScan& scan, const SE2& T_odom_base) {
+  if (active_.empty() || active_.back().length >= 0.5 * options_.submap_length) {
+    active_.emplace_back(SubmapId{num_submaps_++}, T_odom_base, grid_options_);
+  }
+  for (ActiveSubmap& submap : active_) {
+    const SE2 T_submap_base = submap.T_odom_submap.Inverse() * T_odom_base;
+    submap.grid.Insert(T_submap_base, scan);
+    submap.keyframes.push_back(id);
+    submap.length += (T_submap_base.translation() - submap.T_submap_last.translation()).norm();
+    submap.T_submap_last = T_submap_base;
+  }
+  if (active_.front().length < options_.submap_length) return std::nullopt;
+  const Submap finished = Finish(&active_.front());
+  active_.pop_front();
+  return finished;
+}
+
+std::vector<SubmapId> Tracker::ActiveSubmaps() const {
+  std::vector<SubmapId> ids;
+  for (const ActiveSubmap& submap : active_) ids.push_back(submap.id);
+  return ids;
+}
+
+const SE2& Tracker::SubmapPose(SubmapId id) const {
+  const auto found =
+      std::find_if(active_.begin(), active_.end(), [id](const ActiveSubmap& submap) { return submap.id == id; });
+  CHECK(found != active_.end()) << "submap " << id.value << " is not active";
+  return found->T_odom_submap;
+}
+
+void Tracker::SetSubmapPose(SubmapId id, const SE2& T_odom_submap) {
+  for (ActiveSubmap& submap : active_) {
+    if (submap.id == id) submap.T_odom_submap = T_odom_submap;
+  }
+}
+
+std::vector<Submap> Tracker::FinishAll() {
+  std::vector<Submap> finished;
+  for (ActiveSubmap& submap : active_) finished.push_back(Finish(&submap));
+  active_.clear();
+  return finished;
+}
+
+Submap Tracker::Finish(ActiveSubmap* active) const {
+  return {active->id, std::move(active->keyframes), active->grid.OccupiedCells(min_log_odds_)};
+}
+
+}  // namespace arborslam

@@ -1,0 +1,130 @@
+#ifndef ARBORSLAM_FRONTEND_TRACKING_TRACKER_H_
+#define ARBORSLAM_FRONTEND_TRACKING_TRACKER_H_
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/map/ids.h"
+#include "core/map/occupancy_grid.h"
+#include "core/map/submap.h"
+#include "core/sensor/planar_scan.h"
+#include "core/sensor/stamped_pose.h"
+#include "frontend/matching/matcher.h"
+#include "frontend/tracking/constraint.h"
+
+namespace arborslam {
+
+struct TrackerOptions {
+  double near_translation = 0.5;  ///< [m], half width of the first search around the prediction (paper: within 0.5 m).
+  double near_rotation = 0.2;     ///< [rad], the same in heading (paper: within 0.2 rad).
+  double wide_translation = 1.5;  ///< [m], of the second search, made when the first finds nothing good.
+  double wide_rotation = 3.1415926535897931;  ///< [rad]
+  double rotation_step = 0.01;                ///< [rad], of both searches.
+  double wide_score = 0.10;        ///< [m], the second search is made when the first one's MHD is above this.
+  double max_insert_score = 0.10;  ///< [m], a scan whose MHD is above this is spoilt: used, but not put into the maps.
+  double submap_length = 60.0;     ///< [m] of path in a submap; a new one is begun every half of this.
+  int rebuild_interval = 4;        ///< Scans put into a submap before its distance field is built anew.
+  double min_occupancy = 0.55;     ///< A cell is matched to when its probability of being occupied reaches this.
+  double keyframe_translation = 0.05;  ///< [m], a scan becomes a keyframe when the robot has moved this far,
+  double keyframe_rotation = 0.05;     ///< [rad], or turned this far,
+  double keyframe_interval = 10.0;     ///< [s], or this long has passed.
+
+  std::string Validate() const;
+
+  template <class Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("near_translation", near_translation);
+    visit("near_rotation", near_rotation);
+    visit("wide_translation", wide_translation);
+    visit("wide_rotation", wide_rotation);
+    visit("rotation_step", rotation_step);
+    visit("wide_score", wide_score);
+    visit("max_insert_score", max_insert_score);
+    visit("submap_length", submap_length);
+    visit("rebuild_interval", rebuild_interval);
+    visit("min_occupancy", min_occupancy);
+    visit("keyframe_translation", keyframe_translation);
+    visit("keyframe_rotation", keyframe_rotation);
+    visit("keyframe_interval", keyframe_interval);
+  }
+};
+
+/// What tracking a scan gave.
+struct TrackingResult {
+  /// Best match, to the older active submap; `pose` is T_odom_base.
+  MatchResult match;
+  bool searched_wide = false;
+  bool insert = false;  ///< Clean enough to become part of the maps.
+  /// From each active submap that the scan could be matched to (`to` is left for the caller to name). Empty unless the
+  /// match is usable.
+  struct Measurement {
+    SubmapId submap;
+    SE2 T_submap_base;
+    Eigen::Matrix3d information;
+  };
+  std::vector<Measurement> measurements;
+};
+
+/// Matches scans to the two active submaps, which overlap by half (after Hess et al. 2016), and grows these.
+class Tracker {
+ public:
+  Tracker(const TrackerOptions& options, const OccupancyGridOptions& grid, double max_distance, const Matcher& matcher);
+
+  /// Matches `points` [m, base frame] to the active submaps, near `prediction` (T_odom_base) first. Without submaps the
+  /// verdict is `kTooFewPoints`.
+  TrackingResult Track(const std::vector<Eigen::Vector2f>& points, const SE2& prediction);
+
+  /// True if a scan at `pose` is far enough in space or time from the last keyframe to become one itself.
+  bool IsKeyframe(const StampedPose& last_keyframe, const StampedPose& pose) const;
+
+  /// Adds a keyframe's scan to the active submaps; begins a submap at `T_odom_base` when it is time. Returns the submap
+  /// that this scan completed, if any.
+  std::optional<Submap> Insert(KeyframeId id, const PlanarScan& scan, const SE2& T_odom_base);
+
+  /// Ids of the active submaps, the older first.
+  std::vector<SubmapId> ActiveSubmaps() const;
+  /// Pose of an active submap, T_odom_submap.
+  const SE2& SubmapPose(SubmapId id) const;
+  void SetSubmapPose(SubmapId id, const SE2& T_odom_submap);
+
+  /// Takes the active submaps as they are, for the end of a run; no scan can be tracked afterwards.
+  std::vector<Submap> FinishAll();
+
+ private:
+  struct ActiveSubmap {
+    ActiveSubmap(SubmapId submap_id, const SE2& pose, const OccupancyGridOptions& grid_options)
+        : id(submap_id), T_odom_submap(pose), grid(grid_options) {}
+
+    SubmapId id;
+    SE2 T_odom_submap;
+    OccupancyGrid grid;
+    std::vector<KeyframeId> keyframes;
+    double length = 0.0;  // [m] of path.
+    SE2 T_submap_last;    // Pose of the scan last inserted.
+    // What scans are matched to: the cells within `target_reach` [m] of `target_center`, as of `target_keyframes`
+    // scans.
+    std::unique_ptr<MatchTarget> target;
+    Eigen::Vector2d target_center = Eigen::Vector2d::Zero();
+    double target_reach = 0.0;
+    size_t target_keyframes = 0;
+  };
+
+  // The target of a submap for scans that reach `reach` [m] around `T_submap_base`, built anew if it is outdated.
+  const MatchTarget& Target(const SE2& T_submap_base, double reach, ActiveSubmap* submap) const;
+  Submap Finish(ActiveSubmap* active) const;
+
+  TrackerOptions options_;
+  OccupancyGridOptions grid_options_;
+  float min_log_odds_;
+  double max_distance_;
+  Matcher matcher_;
+  std::deque<ActiveSubmap> active_;
+  int num_submaps_ = 0;
+};
+
+}  // namespace arborslam
+
+#endif  // ARBORSLAM_FRONTEND_TRACKING_TRACKER_H_
