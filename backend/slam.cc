@@ -31,7 +31,7 @@ ScanResult Slam::AddScan(const LaserScan& scan) {
   const auto start = std::chrono::steady_clock::now();
   const PlanarScan planar = ProjectLaserScan(scan, options_.projection);
   const SE2 prediction = Predict(scan.stamp);
-  const TrackingResult tracked = tracker_.Track(planar.points, prediction);
+  const TrackingResult tracked = tracker_.Track(planar.points, scans_.empty() ? SE2() : window_.Pose(scan_keyframe_.back()) * T_keyframe_scan_.back(), prediction);
 
   ScanResult result;
   result.stamp = scan.stamp;

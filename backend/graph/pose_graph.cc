@@ -14,9 +14,9 @@
 namespace arborslam {
 
 std::string PoseGraphOptions::Validate() const {
-  if (max_iterations < 1) return Violation("max_iterations", max_iterations, "must be at least 1");
-  if (!(loop_loss_scale > 0.0)) return Violation("loop_loss_scale", loop_loss_scale, "must be above 0");
-  if (!(loop_gate > 0.0)) return Violation("loop_gate", loop_gate, "must be above 0");
+  if (max_iterations < 1) return Violation("max_iterations", max_iterations, "be at least 1");
+  if (!(loop_loss_scale > 0.0)) return Violation("loop_loss_scale", loop_loss_scale, "be above 0");
+  if (!(loop_gate > 0.0)) return Violation("loop_gate", loop_gate, "be above 0");
   return "";
 }
 

@@ -27,16 +27,16 @@ using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<
 }  // namespace
 
 std::string LoopOptions::Validate() const {
-  if (!(candidate_radius >= 0.0)) return Violation("candidate_radius", candidate_radius, "must be at least 0 m");
-  if (keyframe_stride < 1) return Violation("keyframe_stride", keyframe_stride, "must be at least 1");
+  if (!(candidate_radius >= 0.0)) return Violation("candidate_radius", candidate_radius, "be at least 0 m");
+  if (keyframe_stride < 1) return Violation("keyframe_stride", keyframe_stride, "be at least 1");
   if (!(search_translation > 0.0 && search_translation <= 50.0)) {
-    return Violation("search_translation", search_translation, "must lie in (0, 50] m");
+    return Violation("search_translation", search_translation, "lie in (0, 50] m");
   }
   if (!(search_rotation > 0.0 && search_rotation <= 3.15)) {
-    return Violation("search_rotation", search_rotation, "must lie in (0, 3.15] rad");
+    return Violation("search_rotation", search_rotation, "lie in (0, 3.15] rad");
   }
-  if (!(max_score > 0.0)) return Violation("max_score", max_score, "must be above 0 m");
-  if (!(min_overlap >= 0.0 && min_overlap <= 1.0)) return Violation("min_overlap", min_overlap, "must lie in [0, 1]");
+  if (!(max_score > 0.0)) return Violation("max_score", max_score, "be above 0 m");
+  if (!(min_overlap >= 0.0 && min_overlap <= 1.0)) return Violation("min_overlap", min_overlap, "lie in [0, 1]");
   return "";
 }
 
@@ -73,7 +73,7 @@ std::vector<LoopCandidate> LoopCloser::FindAll(const PoseGraph& graph, const std
       if (index % options_.keyframe_stride != 0 || !keyframe.inserted) continue;
       if (known.count({submap.id.value, index}) > 0) continue;
       if (!target) target = std::make_unique<MatchTarget>(submap.cells, cell_size_, max_distance_);
-      const SearchWindow window{options_.search_translation, options_.search_rotation, 0.01};
+      const SearchWindow window{options_.search_translation, options_.search_rotation, 0.01, {}};
       LoopCandidate candidate{keyframe.id, submap.id, {}, false, ""};
       candidate.match =
           matcher_.Match(*target, keyframe.scan.points, T_submap_map * graph.Pose(keyframe.id), window, true);

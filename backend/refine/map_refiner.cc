@@ -7,10 +7,16 @@
 #include "core/parallel.h"
 
 namespace arborslam {
+namespace {
+
+// Where a spoilt scan is looked for.
+constexpr SearchWindow kSpoiltWindow{1.0, 0.3, 0.01, {0.02, 0.0}};
+
+}  // namespace
 
 std::string MapRefinementOptions::Validate() const {
-  if (num_passes < 0 || num_passes > 100) return Violation("num_passes", num_passes, "must lie in [0, 100]");
-  if (!(radius >= 0.0)) return Violation("radius", radius, "must be at least 0 m");
+  if (num_passes < 0 || num_passes > 100) return Violation("num_passes", num_passes, "lie in [0, 100]");
+  if (!(radius >= 0.0)) return Violation("radius", radius, "be at least 0 m");
   return "";
 }
 
@@ -42,7 +48,13 @@ PoseGraph MapRefiner::Remeasure(const PoseGraph& graph, const std::vector<Keyfra
         return (graph.Pose(member).translation() - T_map_keyframe.translation()).norm() <= options_.radius;
       });
       if (!near) continue;
-      const MatchResult match = matcher_.MatchNear(target, keyframe.scan.points, T_submap_map * T_map_keyframe);
+      // A spoilt scan may lie where only the motion model put it, too far off to refine from there: its place is
+      // searched for in the maps of its own time.
+      const bool is_of_this_time = submap.keyframes.front() < keyframe.id && keyframe.id < submap.keyframes.back();
+      const SE2 initial = T_submap_map * T_map_keyframe;
+      const MatchResult match = !keyframe.inserted && is_of_this_time
+                                    ? matcher_.Match(target, keyframe.scan.points, initial, kSpoiltWindow)
+                                    : matcher_.MatchNear(target, keyframe.scan.points, initial);
       if (!IsUsable(match.verdict)) continue;
       const bool is_own = std::binary_search(submap.keyframes.begin(), submap.keyframes.end(), keyframe.id);
       (is_own ? own : foreign)[i].push_back({submap.id, keyframe.id, match.pose, match.information,

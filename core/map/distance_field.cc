@@ -81,8 +81,9 @@ DistanceField::DistanceField(const std::vector<Eigen::Vector2f>& points, double 
   width_ = last_x + radius - first_x_ + 1;
   height_ = last_y + radius - first_y_ + 1;
   const size_t num_cells = static_cast<size_t>(width_) * static_cast<size_t>(height_);
-  nearest_.assign(num_cells, -1);
-  steps_.assign(num_cells, static_cast<uint16_t>(max_steps + 1));
+  too_far_ = static_cast<uint16_t>(max_steps + 1);
+  nearest_.reset(new int32_t[num_cells]);
+  steps_.assign(num_cells, too_far_);
 
   for (Cell& cell : cells) {
     cell.x -= first_x_;

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace arborslam {
@@ -35,7 +36,7 @@ class DistanceField {
   int Nearest(const Eigen::Vector2f& point) const {
     const int x = static_cast<int>(std::floor(point.x() * inverse_cell_size_)) - first_x_;
     const int y = static_cast<int>(std::floor(point.y() * inverse_cell_size_)) - first_y_;
-    return Contains(x, y) ? nearest_[Index(x, y)] : -1;
+    return Contains(x, y) ? NearestAt(x, y) : -1;
   }
   /// Distance [m] between the cell that `point` [m] lies in and the nearest occupied cell, centre to centre.
   float Distance(const Eigen::Vector2f& point) const {
@@ -45,7 +46,10 @@ class DistanceField {
   }
 
   /// The same by cell of the field's own array; (0, 0) is the cell `first_x()`, `first_y()` of the plane.
-  int NearestAt(int x, int y) const { return nearest_[Index(x, y)]; }
+  int NearestAt(int x, int y) const {
+    const size_t index = Index(x, y);
+    return steps_[index] == too_far_ ? -1 : nearest_[index];
+  }
   float DistanceAt(int x, int y) const { return metres_[steps_[Index(x, y)]]; }
 
   /// Every cell's distance rounded down to `num_steps` (at most 255) equal steps of the truncation, columns contiguous.
@@ -72,10 +76,10 @@ class DistanceField {
   int first_y_ = 0;
   int width_ = 0;
   int height_ = 0;
-  std::vector<int32_t> nearest_;
-  std::vector<uint16_t>
-      steps_;                  // Cells (L1) or cells squared (L2) to the nearest; the last entry of metres_ if too far.
-  std::vector<float> metres_;  // What a step count is in metres.
+  uint16_t too_far_ = 0;                // The step count of cells beyond the truncation.
+  std::unique_ptr<int32_t[]> nearest_;  // Not set where steps_ is too_far_: most land is, and need not be touched.
+  std::vector<uint16_t> steps_;         // Cells (L1) or cells squared (L2) to the nearest.
+  std::vector<float> metres_;           // What a step count is in metres.
 };
 
 }  // namespace arborslam

@@ -7,9 +7,6 @@
 namespace arborslam {
 namespace {
 
-// The grid grows by at least this many cells at a time, so that growing stays rare.
-constexpr int64_t kGrowthCells = 128;
-
 int64_t FloorToInt(double value) { return static_cast<int64_t>(std::floor(value)); }
 
 }  // namespace
@@ -25,6 +22,8 @@ std::string OccupancyGridOptions::Validate() const {
     error << "hit_probability is " << hit_probability << ", must lie in (0.5, 1)";
   } else if (!(miss_probability > 0.0 && miss_probability < 0.5)) {
     error << "miss_probability is " << miss_probability << ", must lie in (0, 0.5)";
+  } else if (!(miss_range >= 0.0)) {
+    error << "miss_range is " << miss_range << " m, must be at least 0";
   } else if (!(min_probability > 0.0 && min_probability < 0.5)) {
     error << "min_probability is " << min_probability << ", must lie in (0, 0.5)";
   } else if (!(max_probability > 0.5 && max_probability < 1.0)) {
@@ -68,7 +67,7 @@ void OccupancyGrid::Insert(const SE2& T_grid_base, const PlanarScan& scan) {
     const Eigen::Vector2d position = hit * inverse_cell - first;
     const int x = static_cast<int>(position.x());
     const int y = static_cast<int>(position.y());
-    Cell& cell = cells_[Index(x, y)];
+    Cell& cell = (*MakeTile(x, y))[IndexInTile(x, y)];
     if (cell.hits < 0) {
       cell.hits = static_cast<int32_t>(hits_.size());
       hits_.push_back({first_x_ + x, first_y_ + y, Eigen::Vector2f::Zero(), 0.0f});
@@ -81,84 +80,98 @@ void OccupancyGrid::Insert(const SE2& T_grid_base, const PlanarScan& scan) {
     cell.log_odds = std::min(cell.log_odds + hit_log_odds_, max_log_odds_);
   }
   const Eigen::Vector2d from = T_grid_base.translation() * inverse_cell - first;
+  const double miss_range = options_.miss_range * inverse_cell;
   for (const auto* ends : {&hits, &free_ends}) {
-    for (const Eigen::Vector2d& end : *ends) CastRay(from, end * inverse_cell - first);
+    for (const Eigen::Vector2d& end : *ends) {
+      const Eigen::Vector2d ray = end * inverse_cell - first - from;
+      CastRay(from, from + std::min(1.0, miss_range / ray.norm()) * ray);
+    }
   }
 }
 
 void OccupancyGrid::CastRay(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
-  // Cell by cell after Amanatides and Woo (1987).
+  // Cell by cell after Amanatides and Woo (1987), with one number for how much sooner the ray crosses the next row than
+  // the next column, and without branches that a processor cannot foresee.
   int x = static_cast<int>(from.x());
   int y = static_cast<int>(from.y());
   const Eigen::Vector2d direction = to - from;
   const int step_x = direction.x() >= 0.0 ? 1 : -1;
   const int step_y = direction.y() >= 0.0 ? 1 : -1;
   const int steps = std::abs(static_cast<int>(to.x()) - x) + std::abs(static_cast<int>(to.y()) - y);
-  const double delta_x = direction.x() == 0.0 ? HUGE_VAL : std::abs(1.0 / direction.x());
-  const double delta_y = direction.y() == 0.0 ? HUGE_VAL : std::abs(1.0 / direction.y());
-  double next_x = direction.x() == 0.0 ? HUGE_VAL : (step_x > 0 ? x + 1 - from.x() : from.x() - x) * delta_x;
-  double next_y = direction.y() == 0.0 ? HUGE_VAL : (step_y > 0 ? y + 1 - from.y() : from.y() - y) * delta_y;
+  // Times are scaled by |dx| |dy|: crossing a column takes |dy|, crossing a row |dx|.
+  const double column_time = std::abs(direction.y());
+  const double row_time = std::abs(direction.x());
+  const double to_column = step_x > 0 ? x + 1 - from.x() : from.x() - x;
+  const double to_row = step_y > 0 ? y + 1 - from.y() : from.y() - y;
+  double lead = to_row * row_time - to_column * column_time;
+  Tile* tile = MakeTile(x, y);
+  int tile_x = x >> kTileBits;
+  int tile_y = y >> kTileBits;
   for (int i = 0; i < steps; ++i) {
-    Cell& cell = cells_[Index(x, y)];
+    Cell& cell = (*tile)[IndexInTile(x, y)];
     if (cell.last_scan != scan_) {
       cell.last_scan = scan_;
       cell.log_odds = std::max(cell.log_odds + miss_log_odds_, min_log_odds_);
     }
-    if (next_x < next_y) {
-      x += step_x;
-      next_x += delta_x;
-    } else {
-      y += step_y;
-      next_y += delta_y;
+    const bool cross_column = lead > 0.0;
+    lead += cross_column ? -column_time : row_time;
+    x += cross_column ? step_x : 0;
+    y += cross_column ? 0 : step_y;
+    // Rounding may lead one cell past the end's row or column, but not past the margin of `Cover`.
+    if ((x >> kTileBits) != tile_x || (y >> kTileBits) != tile_y) {
+      tile = MakeTile(x, y);
+      tile_x = x >> kTileBits;
+      tile_y = y >> kTileBits;
     }
-    // Rounding may lead one cell past the end's row or column, and out of the grid with it.
-    if (x < 0 || y < 0 || x >= width_ || y >= height_) return;
   }
 }
 
+OccupancyGrid::Tile* OccupancyGrid::MakeTile(int x, int y) {
+  std::unique_ptr<Tile>& tile = tiles_[TileIndex(x, y)];
+  if (!tile) tile = std::make_unique<Tile>();
+  return tile.get();
+}
+
 void OccupancyGrid::Cover(const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
-  const int64_t low_x = FloorToInt(low.x() / options_.cell_size) - 1;
-  const int64_t low_y = FloorToInt(low.y() / options_.cell_size) - 1;
-  const int64_t high_x = FloorToInt(high.x() / options_.cell_size) + 2;
-  const int64_t high_y = FloorToInt(high.y() / options_.cell_size) + 2;
-  if (width_ > 0 && low_x >= first_x_ && low_y >= first_y_ && high_x <= first_x_ + width_ &&
-      high_y <= first_y_ + height_) {
-    return;
+  // One cell of margin on every side, in whole tiles of the plane.
+  const auto tile_of = [this](double position, int margin) {
+    return (FloorToInt(position / options_.cell_size) + margin) >> kTileBits;
+  };
+  int64_t low_x = tile_of(low.x(), -1);
+  int64_t low_y = tile_of(low.y(), -1);
+  int64_t end_x = tile_of(high.x(), 1) + 1;
+  int64_t end_y = tile_of(high.y(), 1) + 1;
+  const int64_t old_x = first_x_ >> kTileBits;
+  const int64_t old_y = first_y_ >> kTileBits;
+  if (!tiles_.empty()) {
+    if (low_x >= old_x && low_y >= old_y && end_x <= old_x + tiles_x_ && end_y <= old_y + tiles_y_) return;
+    low_x = std::min(low_x, old_x);
+    low_y = std::min(low_y, old_y);
+    end_x = std::max(end_x, old_x + tiles_x_);
+    end_y = std::max(end_y, old_y + tiles_y_);
   }
-  int64_t new_first_x = low_x - kGrowthCells;
-  int64_t new_first_y = low_y - kGrowthCells;
-  int64_t new_end_x = high_x + kGrowthCells;
-  int64_t new_end_y = high_y + kGrowthCells;
-  if (width_ > 0) {
-    new_first_x = low_x < first_x_ ? new_first_x : first_x_;
-    new_first_y = low_y < first_y_ ? new_first_y : first_y_;
-    new_end_x = high_x > first_x_ + width_ ? new_end_x : first_x_ + width_;
-    new_end_y = high_y > first_y_ + height_ ? new_end_y : first_y_ + height_;
+  const auto new_tiles_x = static_cast<size_t>(end_x - low_x);
+  std::vector<std::unique_ptr<Tile>> grown(new_tiles_x * static_cast<size_t>(end_y - low_y));
+  for (int y = 0; y < tiles_y_; ++y) {
+    const auto from = tiles_.begin() + static_cast<ptrdiff_t>(y) * tiles_x_;
+    const size_t to = static_cast<size_t>(y + old_y - low_y) * new_tiles_x + static_cast<size_t>(old_x - low_x);
+    std::move(from, from + tiles_x_, grown.begin() + static_cast<ptrdiff_t>(to));
   }
-  const auto new_width = static_cast<size_t>(new_end_x - new_first_x);
-  const auto new_height = static_cast<size_t>(new_end_y - new_first_y);
-  std::vector<Cell> grown(new_width * new_height);
-  for (int y = 0; y < height_; ++y) {
-    const size_t to =
-        static_cast<size_t>(y + first_y_ - new_first_y) * new_width + static_cast<size_t>(first_x_ - new_first_x);
-    std::copy_n(cells_.begin() + static_cast<ptrdiff_t>(Index(0, y)), width_,
-                grown.begin() + static_cast<ptrdiff_t>(to));
-  }
-  cells_ = std::move(grown);
-  first_x_ = new_first_x;
-  first_y_ = new_first_y;
-  width_ = static_cast<int>(new_width);
-  height_ = static_cast<int>(new_height);
+  tiles_ = std::move(grown);
+  tiles_x_ = static_cast<int>(new_tiles_x);
+  tiles_y_ = static_cast<int>(end_y - low_y);
+  first_x_ = low_x * kTileCells;
+  first_y_ = low_y * kTileCells;
 }
 
 std::vector<OccupiedCell> OccupancyGrid::OccupiedCells(float min_log_odds) const {
   std::vector<OccupiedCell> cells;
   for (const Hits& hits : hits_) {
-    const Cell& cell = cells_[Index(static_cast<int>(hits.x - first_x_), static_cast<int>(hits.y - first_y_))];
-    if (cell.log_odds < min_log_odds) continue;
+    const float log_odds = LogOdds(static_cast<int>(hits.x - first_x_), static_cast<int>(hits.y - first_y_));
+    if (log_odds < min_log_odds) continue;
     const Eigen::Vector2d corner =
         Eigen::Vector2d(static_cast<double>(hits.x), static_cast<double>(hits.y)) * options_.cell_size;
-    cells.push_back({(corner + (hits.sum / hits.count).cast<double>()).cast<float>(), cell.log_odds});
+    cells.push_back({(corner + (hits.sum / hits.count).cast<double>()).cast<float>(), log_odds});
   }
   return cells;
 }

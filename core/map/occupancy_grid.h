@@ -2,7 +2,9 @@
 #define ARBORSLAM_CORE_MAP_OCCUPANCY_GRID_H_
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -14,10 +16,11 @@ namespace arborslam {
 /// How a grid weighs its evidence.
 struct OccupancyGridOptions {
   double cell_size = 0.05;        ///< [m], edge of a cell.
-  double hit_probability = 0.8;   ///< P(occupied | the cell was hit), in (0.5, 1). The paper's public code: 0.8.
-  double miss_probability = 0.4;  ///< P(occupied | a ray passed), in (0, 0.5). The paper's public code: 0.2.
-  double min_probability = 0.12;  ///< log-odds are clamped here from below, so that a cell can be won back.
-  double max_probability = 0.97;  ///< log-odds are clamped here from above, so that a cell can be lost again.
+  double hit_probability = 0.7;   ///< P(occupied | the cell was hit), in (0.5, 1). The paper's public code has 0.8.
+  double miss_probability = 0.4;  ///< P(occupied | a ray passed), in (0, 0.5). The paper's public code has 0.2.
+  double miss_range = 10.0;       ///< [m], rays count as misses this far: farther out they lie more than a cell apart.
+  double min_probability = 0.12;  ///< Log-odds are clamped here from below, so that a cell can be won back.
+  double max_probability = 0.97;  ///< Log-odds are clamped here from above, so that a cell can be lost again.
 
   std::string Validate() const;
 
@@ -26,6 +29,7 @@ struct OccupancyGridOptions {
     visit("cell_size", cell_size);
     visit("hit_probability", hit_probability);
     visit("miss_probability", miss_probability);
+    visit("miss_range", miss_range);
     visit("min_probability", min_probability);
     visit("max_probability", max_probability);
   }
@@ -46,16 +50,22 @@ class OccupancyGrid {
   /// Adds a scan taken at `T_grid_base`.
   void Insert(const SE2& T_grid_base, const PlanarScan& scan);
 
-  int width() const { return width_; }    ///< [cells] along x.
-  int height() const { return height_; }  ///< [cells] along y.
+  int width() const { return tiles_x_ * kTileCells; }   ///< [cells] along x.
+  int height() const { return tiles_y_ * kTileCells; }  ///< [cells] along y.
   double cell_size() const { return options_.cell_size; }
   /// Corner [m] of cell (0, 0) in the grid's frame.
   Eigen::Vector2d origin() const;
 
   /// Log-odds of the cell at column `x`, row `y`; 0 where nothing is known.
-  float LogOdds(int x, int y) const { return cells_[Index(x, y)].log_odds; }
+  float LogOdds(int x, int y) const {
+    const Tile* tile = TileOf(x, y);
+    return tile == nullptr ? 0.0f : (*tile)[IndexInTile(x, y)].log_odds;
+  }
   /// True if a ray ever met or passed the cell.
-  bool IsKnown(int x, int y) const { return cells_[Index(x, y)].last_scan != 0; }
+  bool IsKnown(int x, int y) const {
+    const Tile* tile = TileOf(x, y);
+    return tile != nullptr && (*tile)[IndexInTile(x, y)].last_scan != 0;
+  }
 
   /// Cells that were hit and whose log-odds are at least `min_log_odds`, in the order of their first hits.
   std::vector<OccupiedCell> OccupiedCells(float min_log_odds) const;
@@ -74,9 +84,20 @@ class OccupancyGrid {
     float count;
   };
 
-  size_t Index(int x, int y) const {
-    return static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x);
+  // Cells are kept in square tiles, made when a ray first enters them, so that growing moves none and land that nobody
+  // has seen costs nothing.
+  static constexpr int kTileBits = 6;
+  static constexpr int kTileCells = 1 << kTileBits;
+  using Tile = std::array<Cell, static_cast<size_t>(kTileCells) * kTileCells>;
+
+  static size_t IndexInTile(int x, int y) {
+    return static_cast<size_t>(((y & (kTileCells - 1)) << kTileBits) | (x & (kTileCells - 1)));
   }
+  size_t TileIndex(int x, int y) const {
+    return static_cast<size_t>(y >> kTileBits) * static_cast<size_t>(tiles_x_) + static_cast<size_t>(x >> kTileBits);
+  }
+  const Tile* TileOf(int x, int y) const { return tiles_[TileIndex(x, y)].get(); }
+  Tile* MakeTile(int x, int y);
   // Grows the grid so that it covers the box [m].
   void Cover(const Eigen::Vector2d& low, const Eigen::Vector2d& high);
   // Marks the cells from `from` to `to` [cells, continuous] as passed in this scan, all but the last.
@@ -87,11 +108,11 @@ class OccupancyGrid {
   float miss_log_odds_;
   float min_log_odds_;
   float max_log_odds_;
-  int64_t first_x_ = 0;  // Cell (0, 0) covers [first_x_, first_x_ + 1) * cell_size.
+  int64_t first_x_ = 0;  // Cell (0, 0) covers [first_x_, first_x_ + 1) * cell_size; a multiple of kTileCells.
   int64_t first_y_ = 0;
-  int width_ = 0;
-  int height_ = 0;
-  std::vector<Cell> cells_;
+  int tiles_x_ = 0;
+  int tiles_y_ = 0;
+  std::vector<std::unique_ptr<Tile>> tiles_;
   std::vector<Hits> hits_;
   uint32_t scan_ = 0;
 };

@@ -27,7 +27,7 @@ struct Node {
 class Search {
  public:
   Search(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& center,
-         const SearchWindow& window, const MhdOptions& mhd, double max_score, const std::optional<Exclusion>& exclusion)
+         const SearchWindow& window, const MhdOptions& mhd, double max_cost, const std::optional<Exclusion>& exclusion)
       : points_(points), center_(center), window_(window), mhd_(mhd), exclusion_(exclusion) {
     cell_size_ = target.field().cell_size();
     half_cells_ = static_cast<int>(std::floor(window.translation / cell_size_ + 1e-6));
@@ -36,7 +36,7 @@ class Search {
     top_level_ = 0;
     while ((2 << top_level_) <= half_cells_ + 1) ++top_level_;
     pyramid_ = &target.Pyramid(top_level_ + 1);
-    best_score_ = max_score / pyramid_->metres_per_step();
+    best_cost_ = max_cost / pyramid_->metres_per_step();
     num_points_ = static_cast<int>(points.size());
     least_k_ = ChooseK(0, num_points_, mhd);
     first_x_ = target.field().first_x();
@@ -52,13 +52,13 @@ class Search {
         for (int y = -half_cells_; y <= half_cells_; y += size) {
           Node node{rotation, x, y, top_level_, 0.0};
           node.bound = Score(node);
-          if (node.bound < best_score_) nodes.push_back(node);
+          if (node.bound < best_cost_) nodes.push_back(node);
         }
       }
     }
     Descend(&nodes);
     if (!found_) return std::nullopt;
-    return SearchResult{best_pose_, best_score_ * pyramid_->metres_per_step(), num_scored_};
+    return SearchResult{best_pose_, best_cost_ * pyramid_->metres_per_step(), num_scored_};
   }
 
  private:
@@ -91,7 +91,7 @@ class Search {
     }
   }
 
-  // The bound of a node or, at level 0, the score of a pose [quantisation steps].
+  // The bound of a node or, at level 0, the cost of a pose [quantisation steps].
   double Score(const Node& node) {
     ++num_scored_;
     constexpr int kFar = MinPyramid::kNumSteps;
@@ -107,7 +107,18 @@ class Search {
       sum += static_cast<int64_t>(count) * step;
       left -= count;
     }
-    return static_cast<double>(sum) / k;
+    return static_cast<double>(sum) / k + Penalty(node);
+  }
+
+  // The least penalty in a node's box [quantisation steps].
+  double Penalty(const Node& node) const {
+    const int last = (1 << node.level) - 1;
+    const auto nearest = [last](int first) { return std::max({first, -(first + last), 0}); };
+    const double x = nearest(node.x);
+    const double y = nearest(node.y);
+    return (window_.penalty.per_metre * cell_size_ * std::sqrt(x * x + y * y) +
+            window_.penalty.per_radian * std::abs(Rotation(node.rotation))) /
+           pyramid_->metres_per_step();
   }
 
   bool IsExcluded(const SE2& pose) const {
@@ -120,11 +131,11 @@ class Search {
   void Descend(std::vector<Node>* nodes) {
     std::stable_sort(nodes->begin(), nodes->end(), [](const Node& a, const Node& b) { return a.bound < b.bound; });
     for (const Node& node : *nodes) {
-      if (node.bound >= best_score_) return;
+      if (node.bound >= best_cost_) return;
       if (node.level == 0) {
         const SE2 pose = Pose(node);
         if (IsExcluded(pose)) continue;
-        best_score_ = node.bound;
+        best_cost_ = node.bound;
         best_pose_ = pose;
         found_ = true;
         continue;
@@ -137,7 +148,7 @@ class Search {
           if (x > half_cells_ || y > half_cells_) continue;
           Node child{node.rotation, x, y, node.level - 1, 0.0};
           child.bound = Score(child);
-          if (child.bound < best_score_) children.push_back(child);
+          if (child.bound < best_cost_) children.push_back(child);
         }
       }
       Descend(&children);
@@ -159,7 +170,7 @@ class Search {
   int first_x_ = 0;
   int first_y_ = 0;
   std::vector<CellOffset> cells_;
-  double best_score_ = 0.0;  // [quantisation steps]
+  double best_cost_ = 0.0;  // [quantisation steps]
   SE2 best_pose_;
   bool found_ = false;
   int64_t num_scored_ = 0;
@@ -167,11 +178,16 @@ class Search {
 
 }  // namespace
 
+double PenaltyOf(const SE2& pose, const SE2& center, const SearchPenalty& penalty) {
+  return penalty.per_metre * (pose.translation() - center.translation()).norm() +
+         penalty.per_radian * std::abs(AngleDifference(pose.theta(), center.theta()));
+}
+
 std::optional<SearchResult> BranchAndBound(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,
                                            const SE2& center, const SearchWindow& window, const MhdOptions& mhd,
-                                           double max_score, const std::optional<Exclusion>& exclusion) {
+                                           double max_cost, const std::optional<Exclusion>& exclusion) {
   if (points.empty() || target.empty()) return std::nullopt;
-  return Search(target, points, center, window, mhd, max_score, exclusion).Run();
+  return Search(target, points, center, window, mhd, max_cost, exclusion).Run();
 }
 
 }  // namespace arborslam

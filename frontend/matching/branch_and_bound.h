@@ -12,13 +12,24 @@
 
 namespace arborslam {
 
+/// What it costs to leave the centre of a search, added to the MHD: where a spoilt scan fits several poses about
+/// equally well, the one nearest the prediction is to win.
+struct SearchPenalty {
+  double per_metre = 0.0;   ///< [m of MHD per m]
+  double per_radian = 0.0;  ///< [m of MHD per rad]
+};
+
 /// A box of poses around a centre, and the grid of poses in it that is searched: whole cells of the target's field in x
 /// and y, `rotation_step` in theta.
 struct SearchWindow {
   double translation = 0.5;     ///< [m], half the edge of the box in x and in y.
   double rotation = 0.2;        ///< [rad], half the range of theta.
   double rotation_step = 0.01;  ///< [rad]
+  SearchPenalty penalty;
 };
+
+/// The penalty of `pose` for a search around `center` [m].
+double PenaltyOf(const SE2& pose, const SE2& center, const SearchPenalty& penalty);
 
 /// A part of a window that is left out: poses that are near `pose` in position and in heading.
 struct Exclusion {
@@ -29,19 +40,20 @@ struct Exclusion {
 
 /// The best pose of a window.
 struct SearchResult {
-  SE2 pose;            ///< T_target_base.
-  double score = 0.0;  ///< [m], its MHD on quantised cell distances, within one quantisation step below the true one.
+  SE2 pose;                ///< T_target_base.
+  double cost = 0.0;       ///< [m], its MHD on quantised cell distances (at most one step too low) and the penalty.
   int64_t num_scored = 0;  ///< Nodes and leaves that were scored.
 };
 
-/// The pose on the window's grid around `center` whose MHD of `points` [m, base frame] to `target` is least, by branch
-/// and bound (Olson 2015; Hess et al. 2016) with an exact bound: a point's least distance over a node's box bounds its
-/// distance in every leaf from below, and the mean of the K smallest of smaller numbers, for the smallest K, is
-/// smaller. Ties go to the pose that comes first in the order theta, x, y from the middle of the window outwards.
-/// Nothing is returned when no pose scores below `max_score` [m], or when points or target are empty.
+/// The pose on the window's grid around `center` (T_target_base) whose MHD of `points` [m, base frame] to `target`,
+/// with the window's penalty, is least: by branch and bound (Olson 2015; Hess et al. 2016) with an exact bound. A
+/// point's least distance over a node's box bounds its distance in every leaf from below, and the mean of the K
+/// smallest of smaller numbers, for the smallest K, is smaller; so is the penalty of the box's nearest pose. Of equally
+/// good poses one is returned, always the same. Nothing is returned when no pose costs less than `max_cost` [m], or
+/// when points or target are empty.
 std::optional<SearchResult> BranchAndBound(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,
                                            const SE2& center, const SearchWindow& window, const MhdOptions& mhd,
-                                           double max_score, const std::optional<Exclusion>& exclusion = std::nullopt);
+                                           double max_cost, const std::optional<Exclusion>& exclusion = std::nullopt);
 
 }  // namespace arborslam
 

@@ -1,6 +1,7 @@
 #include "frontend/matching/matcher.h"
 
 #include <algorithm>
+#include <limits>
 #include <sstream>
 
 namespace arborslam {
@@ -58,33 +59,35 @@ Matcher::Matcher(const MatcherOptions& options, const MhdOptions& mhd, const Ref
 
 MatchResult Matcher::Match(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& prediction,
                            const SearchWindow& window, bool check_uniqueness) const {
-  return MatchBetter(target, points, prediction, window, options_.max_distance, check_uniqueness);
+  return MatchBetter(target, points, prediction, window, std::numeric_limits<double>::infinity(), check_uniqueness);
 }
 
 MatchResult Matcher::MatchBetter(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,
-                                 const SE2& prediction, const SearchWindow& window, double max_score,
+                                 const SE2& prediction, const SearchWindow& window, double max_cost,
                                  bool check_uniqueness) const {
   MatchResult result;
   result.pose = prediction;
   result.num_points = static_cast<int>(points.size());
   result.score = options_.max_distance;
+  result.cost = options_.max_distance;
   if (result.num_points < options_.min_points || target.empty()) return result;
 
   const std::vector<Eigen::Vector2f> sample = Subsample(points, options_.max_search_points);
-  const std::optional<SearchResult> found = BranchAndBound(target, sample, prediction, window, mhd_, max_score);
+  const std::optional<SearchResult> found = BranchAndBound(target, sample, prediction, window, mhd_, max_cost);
   if (!found) {
     result.verdict = MatchVerdict::kPoor;
     return result;
   }
   result = RefineAndJudge(target, points, found->pose, prediction);
+  result.cost = result.score + PenaltyOf(result.pose, prediction, window.penalty);
   result.num_scored = found->num_scored;
   if (check_uniqueness && IsUsable(result.verdict)) {
-    const double limit = found->score / options_.max_second_ratio;
+    const double limit = found->cost / options_.max_second_ratio;
     const std::optional<SearchResult> second = BranchAndBound(target, sample, prediction, window, mhd_, limit,
                                                               Exclusion{found->pose, kModeTranslation, kModeRotation});
     if (second) {
       result.verdict = MatchVerdict::kAmbiguous;
-      result.second_score = second->score;
+      result.second_score = second->cost;
       result.num_scored += second->num_scored;
     }
   }
@@ -97,6 +100,7 @@ MatchResult Matcher::MatchNear(const MatchTarget& target, const std::vector<Eige
   result.pose = initial;
   result.num_points = static_cast<int>(points.size());
   result.score = options_.max_distance;
+  result.cost = options_.max_distance;
   if (result.num_points < options_.min_points || target.empty()) return result;
   return RefineAndJudge(target, points, initial, initial);
 }
@@ -108,6 +112,7 @@ MatchResult Matcher::RefineAndJudge(const MatchTarget& target, const std::vector
   result.pose = refined.pose;
   result.information = refined.information;
   result.score = refined.mhd.score;
+  result.cost = refined.mhd.score;
   result.inlier_ratio = refined.mhd.inlier_ratio;
   result.num_points = static_cast<int>(points.size());
   result.num_degenerate = refined.num_degenerate;

@@ -15,7 +15,7 @@ namespace arborslam {
 
 struct MatcherOptions {
   double max_distance = 0.2;    ///< [m], D_max: points farther from the map than this are outliers (paper: 2-4 cells).
-  int max_search_points = 200;  ///< The search uses about this many of a scan's points.
+  int max_search_points = 100;  ///< The search uses about this many of a scan's points.
   double max_score = 0.15;      ///< [m], a match whose MHD is above this is poor.
   int min_points = 30;          ///< A scan with fewer points is not matched.
   double max_second_ratio = 0.7;  ///< A match is ambiguous when score / second mode's score exceeds this.
@@ -55,6 +55,7 @@ struct MatchResult {
   /// (x, y, theta) in the base frame, [m, rad]; 0 in degenerate directions.
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   double score = 0.0;         ///< [m], MHD to the landmarks' centroids.
+  double cost = 0.0;          ///< [m], score and the search's penalty for leaving the prediction.
   double inlier_ratio = 0.0;  ///< Share of the points nearer to the map than D_max.
   double second_score = 0.0;  ///< [m], of the best pose well apart from this one; 0 when it was not looked for.
   int num_points = 0;
@@ -72,10 +73,10 @@ class Matcher {
   MatchResult Match(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& prediction,
                     const SearchWindow& window, bool check_uniqueness = false) const;
 
-  /// The same for a search that is only of use if it finds something better than `max_score` [m]; `kPoor`, with a score
-  /// of D_max, when it does not.
+  /// The same for a search that is only of use if it finds something that costs less than `max_cost` [m]; `kPoor`, with
+  /// a score of D_max, when it does not.
   MatchResult MatchBetter(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& prediction,
-                          const SearchWindow& window, double max_score, bool check_uniqueness = false) const;
+                          const SearchWindow& window, double max_cost, bool check_uniqueness = false) const;
 
   /// Refines from `initial` without a search.
   MatchResult MatchNear(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,

@@ -8,14 +8,13 @@
 namespace arborslam {
 
 std::string ProjectionOptions::Validate() const {
-  if (!(min_range >= 0.0)) return Violation("min_range", min_range, "must be at least 0 m");
+  if (!(min_range >= 0.0)) return Violation("min_range", min_range, "be at least 0 m");
   if (!(max_range > min_range && max_range <= 1000.0)) {
-    return Violation("max_range", max_range, "must lie in (min_range, 1000] m");
+    return Violation("max_range", max_range, "lie in (min_range, 1000] m");
   }
-  if (!(max_bearing > 0.0 && max_bearing <= 3.15))
-    return Violation("max_bearing", max_bearing, "must lie in (0, 3.15] rad");
+  if (!(max_bearing > 0.0 && max_bearing <= 3.15)) return Violation("max_bearing", max_bearing, "lie in (0, 3.15] rad");
   if (!(point_spacing >= 0.0 && point_spacing <= 1.0)) {
-    return Violation("point_spacing", point_spacing, "must lie in [0, 1] m");
+    return Violation("point_spacing", point_spacing, "lie in [0, 1] m");
   }
   return "";
 }

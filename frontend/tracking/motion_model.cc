@@ -9,20 +9,21 @@ namespace arborslam {
 
 std::string MotionOptions::Validate() const {
   if (model != "constant_velocity" && model != "unicycle" && model != "omnidirectional") {
-    return Violation("model", model, "must be constant_velocity, unicycle or omnidirectional");
+    return Violation("model", model, "be constant_velocity, unicycle or omnidirectional");
   }
   if (!(max_extrapolation >= 0.0 && max_extrapolation <= 100.0)) {
-    return Violation("max_extrapolation", max_extrapolation, "must lie in [0, 100]");
+    return Violation("max_extrapolation", max_extrapolation, "lie in [0, 100]");
   }
-  if (!(translation_sigma > 0.0)) return Violation("translation_sigma", translation_sigma, "must be above 0 m");
-  if (!(rotation_sigma > 0.0)) return Violation("rotation_sigma", rotation_sigma, "must be above 0 rad");
+  if (!(translation_sigma > 0.0)) return Violation("translation_sigma", translation_sigma, "be above 0 m");
+  if (!(rotation_sigma > 0.0)) return Violation("rotation_sigma", rotation_sigma, "be above 0 rad");
   return "";
 }
 
 SE2 PredictPose(const StampedPose& previous, const StampedPose& last, double stamp, const MotionOptions& options) {
   const double last_step = last.stamp - previous.stamp;
   if (last_step <= 0.0) return last.pose;
-  const double stretch = std::clamp((stamp - last.stamp) / last_step, 0.0, options.max_extrapolation);
+  const double stretch = (stamp - last.stamp) / last_step;
+  if (stretch > options.max_extrapolation) return last.pose;
   if (options.model == "constant_velocity") {
     const Eigen::Vector2d translation =
         last.pose.translation() + stretch * (last.pose.translation() - previous.pose.translation());

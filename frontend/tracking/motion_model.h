@@ -13,7 +13,8 @@ struct MotionOptions {
   /// "unicycle": speed along the heading and turn rate, no sideways motion (paper eq. 13);
   /// "omnidirectional": forward and sideways speed and turn rate, all in the robot's frame.
   std::string model = "omnidirectional";
-  double max_extrapolation = 2.0;  ///< A step is stretched by at most this factor, however long the gap in time.
+  double max_extrapolation =
+      3.0;  ///< After a gap longer than this many steps the robot is taken to stand where it was.
   double translation_sigma = 0.3;  ///< [m], standard deviation of a predicted step's x and y.
   double rotation_sigma = 0.5;     ///< [rad], standard deviation of a predicted step's turn.
 

@@ -15,38 +15,46 @@ namespace {
 constexpr size_t kMinKeyframesToMatch = 5;
 // [m], by how much more than a scan's own reach a target covers, so that it serves the next scans too.
 constexpr double kTargetMargin = 3.0;
-// A wide search is to find something clearly better than the near one did.
+// A wide search must do this much better than the near one to be believed.
 constexpr double kWideGain = 0.8;
+// The wide search grows by its own size with every scan that finds nothing, up to this many times.
+constexpr int kMaxWideGrowth = 3;
 
 }  // namespace
 
 std::string TrackerOptions::Validate() const {
   if (!(near_translation > 0.0 && near_translation <= 20.0)) {
-    return Violation("near_translation", near_translation, "must lie in (0, 20] m");
+    return Violation("near_translation", near_translation, "lie in (0, 20] m");
   }
   if (!(near_rotation > 0.0 && near_rotation <= 3.15)) {
-    return Violation("near_rotation", near_rotation, "must lie in (0, 3.15] rad");
+    return Violation("near_rotation", near_rotation, "lie in (0, 3.15] rad");
   }
   if (!(wide_translation >= near_translation && wide_translation <= 20.0)) {
-    return Violation("wide_translation", wide_translation, "must lie in [near_translation, 20] m");
+    return Violation("wide_translation", wide_translation, "lie in [near_translation, 20] m");
   }
   if (!(wide_rotation >= near_rotation && wide_rotation <= 3.15)) {
-    return Violation("wide_rotation", wide_rotation, "must lie in [near_rotation, 3.15] rad");
+    return Violation("wide_rotation", wide_rotation, "lie in [near_rotation, 3.15] rad");
   }
-  if (!(rotation_step >= 0.0005 && rotation_step <= 0.2)) {
-    return Violation("rotation_step", rotation_step, "must lie in [0.0005, 0.2] rad");
+  if (!(near_rotation_step >= 0.0005 && near_rotation_step <= 0.2)) {
+    return Violation("near_rotation_step", near_rotation_step, "lie in [0.0005, 0.2] rad");
   }
-  if (!(wide_score > 0.0)) return Violation("wide_score", wide_score, "must be above 0 m");
-  if (!(max_insert_score > 0.0)) return Violation("max_insert_score", max_insert_score, "must be above 0 m");
-  if (!(submap_length > 0.0)) return Violation("submap_length", submap_length, "must be above 0 m");
-  if (rebuild_interval < 1) return Violation("rebuild_interval", rebuild_interval, "must be at least 1");
+  if (!(wide_rotation_step >= 0.0005 && wide_rotation_step <= 0.2)) {
+    return Violation("wide_rotation_step", wide_rotation_step, "lie in [0.0005, 0.2] rad");
+  }
+  if (!(translation_penalty >= 0.0)) {
+    return Violation("translation_penalty", translation_penalty, "be at least 0");
+  }
+  if (!(rotation_penalty >= 0.0)) return Violation("rotation_penalty", rotation_penalty, "be at least 0 m per rad");
+  if (!(wide_score > 0.0)) return Violation("wide_score", wide_score, "be above 0 m");
+  if (!(max_insert_score > 0.0)) return Violation("max_insert_score", max_insert_score, "be above 0 m");
+  if (!(submap_length > 0.0)) return Violation("submap_length", submap_length, "be above 0 m");
+  if (rebuild_interval < 1) return Violation("rebuild_interval", rebuild_interval, "be at least 1");
   if (!(min_occupancy >= 0.5 && min_occupancy < 1.0)) {
-    return Violation("min_occupancy", min_occupancy, "must lie in [0.5, 1)");
+    return Violation("min_occupancy", min_occupancy, "lie in [0.5, 1)");
   }
-  if (!(keyframe_translation >= 0.0))
-    return Violation("keyframe_translation", keyframe_translation, "must be at least 0 m");
-  if (!(keyframe_rotation >= 0.0)) return Violation("keyframe_rotation", keyframe_rotation, "must be at least 0 rad");
-  if (!(keyframe_interval >= 0.0)) return Violation("keyframe_interval", keyframe_interval, "must be at least 0 s");
+  if (!(keyframe_translation >= 0.0)) return Violation("keyframe_translation", keyframe_translation, "be at least 0 m");
+  if (!(keyframe_rotation >= 0.0)) return Violation("keyframe_rotation", keyframe_rotation, "be at least 0 rad");
+  if (!(keyframe_interval >= 0.0)) return Violation("keyframe_interval", keyframe_interval, "be at least 0 s");
   return "";
 }
 
@@ -58,31 +66,38 @@ Tracker::Tracker(const TrackerOptions& options, const OccupancyGridOptions& grid
       max_distance_(max_distance),
       matcher_(matcher) {}
 
-TrackingResult Tracker::Track(const std::vector<Eigen::Vector2f>& points, const SE2& prediction) {
+TrackingResult Tracker::Track(const std::vector<Eigen::Vector2f>& points, const SE2& last_pose, const SE2& prediction) {
   TrackingResult result;
   result.match.pose = prediction;
   result.match.num_points = static_cast<int>(points.size());
   if (active_.empty()) return result;
   float reach = 0.0f;
   for (const Eigen::Vector2f& point : points) reach = std::max(reach, point.squaredNorm());
-  const double scan_reach = std::sqrt(reach) + options_.wide_translation;
+  const double wide_translation = options_.wide_translation * std::min(1 + num_lost_, kMaxWideGrowth);
+  const double scan_reach = std::sqrt(reach) + wide_translation;
 
   ActiveSubmap& older = active_.front();
   const SE2 T_submap_prediction = older.T_odom_submap.Inverse() * prediction;
   const MatchTarget& target = Target(T_submap_prediction, scan_reach, &older);
-  const SearchWindow near{options_.near_translation, options_.near_rotation, options_.rotation_step};
+  const SearchPenalty penalty{options_.translation_penalty, options_.rotation_penalty};
+  const SearchWindow near{options_.near_translation, options_.near_rotation, options_.near_rotation_step, penalty};
   MatchResult match = matcher_.Match(target, points, T_submap_prediction, near);
   if (match.verdict != MatchVerdict::kTooFewPoints && match.score > options_.wide_score) {
-    const SearchWindow wide{options_.wide_translation, options_.wide_rotation, options_.rotation_step};
+    // Once lost, the last pose says little, and only a clean match is believed.
+    const bool is_lost = num_lost_ > 0;
+    const SearchWindow wide{wide_translation, options_.wide_rotation, options_.wide_rotation_step,
+                            is_lost ? SearchPenalty{} : penalty};
+    const double max_cost = is_lost ? options_.max_insert_score : kWideGain * match.cost;
     const MatchResult wide_match =
-        matcher_.MatchBetter(target, points, T_submap_prediction, wide, kWideGain * match.score);
+        matcher_.MatchBetter(target, points, older.T_odom_submap.Inverse() * last_pose, wide, max_cost);
     result.searched_wide = true;
-    if (wide_match.score < match.score) match = wide_match;
+    if (wide_match.cost < match.cost) match = wide_match;
   }
   const SE2 T_submap_base = match.pose;
   result.match = match;
   result.match.pose = IsUsable(match.verdict) ? older.T_odom_submap * T_submap_base : prediction;
-  if (!IsUsable(match.verdict)) return result;
+  num_lost_ = IsUsable(match.verdict) ? 0 : num_lost_ + 1;
+  if (num_lost_ > 0) return result;
   result.insert = match.score <= options_.max_insert_score;
   result.measurements.push_back({older.id, T_submap_base, match.information});
   for (size_t i = 1; i < active_.size(); ++i) {

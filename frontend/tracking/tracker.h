@@ -22,7 +22,10 @@ struct TrackerOptions {
   double near_rotation = 0.2;     ///< [rad], the same in heading (paper: within 0.2 rad).
   double wide_translation = 1.5;  ///< [m], of the second search, made when the first finds nothing good.
   double wide_rotation = 3.1415926535897931;  ///< [rad]
-  double rotation_step = 0.01;                ///< [rad], of both searches.
+  double near_rotation_step = 0.01;           ///< [rad], by which the first search turns the scan,
+  double wide_rotation_step = 0.02;           ///< [rad], and the second one.
+  double translation_penalty = 0.06;          ///< [m of MHD per m] that a pose lies from the prediction.
+  double rotation_penalty = 0.01;             ///< [m of MHD per rad] that a pose is turned from the prediction.
   double wide_score = 0.10;        ///< [m], the second search is made when the first one's MHD is above this.
   double max_insert_score = 0.10;  ///< [m], a scan whose MHD is above this is spoilt: used, but not put into the maps.
   double submap_length = 60.0;     ///< [m] of path in a submap; a new one is begun every half of this.
@@ -40,7 +43,10 @@ struct TrackerOptions {
     visit("near_rotation", near_rotation);
     visit("wide_translation", wide_translation);
     visit("wide_rotation", wide_rotation);
-    visit("rotation_step", rotation_step);
+    visit("near_rotation_step", near_rotation_step);
+    visit("wide_rotation_step", wide_rotation_step);
+    visit("translation_penalty", translation_penalty);
+    visit("rotation_penalty", rotation_penalty);
     visit("wide_score", wide_score);
     visit("max_insert_score", max_insert_score);
     visit("submap_length", submap_length);
@@ -73,9 +79,10 @@ class Tracker {
  public:
   Tracker(const TrackerOptions& options, const OccupancyGridOptions& grid, double max_distance, const Matcher& matcher);
 
-  /// Matches `points` [m, base frame] to the active submaps, near `prediction` (T_odom_base) first. Without submaps the
-  /// verdict is `kTooFewPoints`.
-  TrackingResult Track(const std::vector<Eigen::Vector2f>& points, const SE2& prediction);
+  /// Matches `points` [m, base frame] to the active submaps: near `prediction` (T_odom_base) first and, if that finds
+  /// nothing good, in a wide surrounding of `last_pose`, the pose of the scan before, since what went wrong is most
+  /// likely the prediction. Without submaps the verdict is `kTooFewPoints`.
+  TrackingResult Track(const std::vector<Eigen::Vector2f>& points, const SE2& last_pose, const SE2& prediction);
 
   /// True if a scan at `pose` is far enough in space or time from the last keyframe to become one itself.
   bool IsKeyframe(const StampedPose& last_keyframe, const StampedPose& pose) const;
@@ -122,6 +129,7 @@ class Tracker {
   double max_distance_;
   Matcher matcher_;
   std::deque<ActiveSubmap> active_;
+  int num_lost_ = 0;  // Scans in a row that found nothing.
   int num_submaps_ = 0;
 };
 
