@@ -10,7 +10,7 @@ namespace arborslam {
 struct Keyframe {
   KeyframeId id;
   PlanarScan scan;
-  bool inserted = false;  ///< Good enough to be part of the maps.
+  bool is_inserted = false;  ///< Clean enough to be part of the maps.
 };
 
 }  // namespace arborslam

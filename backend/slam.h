@@ -1,13 +1,15 @@
 #ifndef ARBORSLAM_BACKEND_SLAM_H_
 #define ARBORSLAM_BACKEND_SLAM_H_
 
-#include <optional>
+#include <string>
 #include <vector>
 
 #include "backend/graph/pose_graph.h"
 #include "backend/keyframe.h"
+#include "backend/loop/loop_closer.h"
 #include "backend/slam_options.h"
 #include "backend/window/sliding_window.h"
+#include "core/map/occupancy_grid.h"
 #include "core/map/submap.h"
 #include "core/sensor/laser_scan.h"
 #include "core/sensor/stamped_pose.h"
@@ -15,38 +17,84 @@
 
 namespace arborslam {
 
-/// What became of one scan.
-struct ScanResult {
-  double stamp = 0.0;   ///< [s], the middle of the sweep.
-  SE2 T_odom_base;      ///< The window's estimate when the scan came.
-  MatchVerdict verdict = MatchVerdict::kAccepted;
-  MatchResult match;
-  bool searched_wide = false;
-  bool is_keyframe = false;
-  double milliseconds = 0.0;  ///< Frontend and window.
+/// What became of a scan.
+enum class ScanStatus {
+  kMatched,    ///< Its pose was measured.
+  kPredicted,  ///< Rejected: its pose is the motion model's, as the window sees it.
+  kSkipped,    ///< It has no pose.
 };
 
-/// The whole method. Scans go in one at a time, in the order of their stamps; `Finish` closes loops and optimises.
+/// One scan's result, as known when it came.
+struct ScanResult {
+  double stamp = 0.0;  ///< [s], the middle of the sweep.
+  ScanStatus status = ScanStatus::kSkipped;
+  std::string reason;          ///< Why the scan was not matched; empty if it was.
+  SE2 T_odom_base;             ///< The window's estimate; meaningless when skipped.
+  MatchResult match;           ///< To the older active submap.
+  bool is_keyframe = false;    ///< Kept as a variable of the estimation.
+  bool is_inserted = false;    ///< Clean enough to become part of the maps.
+  bool searched_wide = false;  ///< The search around the prediction found nothing good.
+  // [ms]
+  double project_ms = 0.0;  ///< Reduction to planar points.
+  double match_ms = 0.0;    ///< Prediction, search, refinement, distance fields.
+  double window_ms = 0.0;   ///< Smoothing and marginalisation.
+  double insert_ms = 0.0;   ///< Maps.
+};
+
+/// What the end of an offline run did.
+struct FinishResult {
+  std::vector<LoopCandidate> loops;  ///< Every pair that was tried.
+  PoseGraphSummary loop_optimization;
+  std::vector<PoseGraphSummary> refinements;  ///< One per pass.
+  // [ms]
+  double loop_ms = 0.0;      ///< Search for loops.
+  double optimize_ms = 0.0;  ///< All solutions of the graph.
+  double refine_ms = 0.0;    ///< Matching to the corrected maps.
+};
+
+/// Lidar-only SLAM in the plane (design section 3): scans go in one at a time, each is matched to the active submaps
+/// and smoothed in a sliding window; `Finish` closes loops, optimises the graph and refines it against the corrected
+/// map. For one thread; equal inputs and options give equal results to the last bit, whatever `num_threads`.
 class Slam {
  public:
-  /// @param num_threads for loop closure and optimisation; results do not depend on it.
+  /// @param options     valid ones, see the sections' `Validate`.
+  /// @param num_threads for `Finish`, at least 1.
   Slam(const SlamOptions& options, int num_threads);
 
+  /// Takes the next scan. A scan that is not later than the one before is skipped, and so are scans with too few points
+  /// before the first map is begun.
   ScanResult AddScan(const LaserScan& scan);
 
-  /// Closes loops, optimises the graph, and refines it against the corrected map.
-  void Finish(bool odometry_only);
+  /// Ends the run; no scan may follow. With `odometry_only` no loops are closed and nothing is matched again.
+  FinishResult Finish(bool odometry_only);
 
+  /// Poses T_map_base of all scans that were not skipped: after `Finish` the optimised ones, before it the window's.
   Trajectory OptimizedTrajectory() const;
-  const std::vector<ScanResult>& scans() const { return scans_; }
-  const std::vector<LoopCandidate>& loops() const { return loops_; }
+
+  /// All clean scans at their present poses, in the map frame. Needs at least one.
+  OccupancyGrid BuildMap() const;
+
   const PoseGraph& graph() const { return graph_; }
   const std::vector<Keyframe>& keyframes() const { return keyframes_; }
   const std::vector<Submap>& submaps() const { return submaps_; }
 
  private:
+  // A scan that has a pose.
+  struct PosedScan {
+    double stamp;
+    KeyframeId keyframe;
+    SE2 T_keyframe_scan;
+  };
+
+  // The window's present estimate of a scan's pose, T_odom_base; its keyframe must be in the window.
+  StampedPose WindowPose(const PosedScan& scan) const;
+  // The motion model's pose for a scan at `stamp` [s].
   SE2 Predict(double stamp) const;
-  SE2 AddKeyframe(const PlanarScan& scan, const SE2& prediction, const TrackingResult& tracked);
+  // Makes the scan a variable of window and graph, with all that was measured about it; returns its smoothed pose.
+  SE2 Smooth(const PlanarScan& scan, const SE2& prediction, const TrackingResult& tracked);
+  // Puts the latest keyframe's scan into the active submaps, and new submaps into window and graph.
+  void InsertIntoSubmaps();
+  // Marginalises what is too old for the window.
   void TrimWindow();
 
   SlamOptions options_;
@@ -56,11 +104,8 @@ class Slam {
   SlidingWindow window_;
   PoseGraph graph_;
   std::vector<Keyframe> keyframes_;
-  std::vector<Submap> submaps_;
-  std::vector<ScanResult> scans_;
-  std::vector<LoopCandidate> loops_;
-  std::vector<KeyframeId> scan_keyframe_;
-  std::vector<SE2> T_keyframe_scan_;
+  std::vector<Submap> submaps_;  // Finished ones.
+  std::vector<PosedScan> scans_;
 };
 
 }  // namespace arborslam

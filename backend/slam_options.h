@@ -17,7 +17,7 @@
 namespace arborslam {
 
 struct WindowOptions {
-  int num_keyframes = 15;  ///< Keyframes whose poses are still open.
+  int num_keyframes = 15;  ///< Keyframes whose poses are still open to the causal estimate.
 
   std::string Validate() const;
 
@@ -41,7 +41,7 @@ struct SlamOptions {
   PoseGraphOptions graph;
   MapRefinementOptions map_refinement;
 
-  /// Calls `visit(section name, section)` for every section.
+  /// Calls `visit(name, options)` for every section, in the order of the pipeline.
   template <class Visitor>
   void VisitSections(Visitor&& visit) {
     visit("projection", projection);

@@ -39,6 +39,8 @@ class PoseGraph {
  public:
   /// Adds a pose, T_map_node. Its id must be new.
   void AddNode(NodeId id, const SE2& T_map_node);
+  /// Moves a node.
+  void SetPose(NodeId id, const SE2& T_map_node) { poses_.at(id) = T_map_node; }
   /// Adds a measurement between two nodes of the graph.
   void AddConstraint(const Constraint& constraint);
 

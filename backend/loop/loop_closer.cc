@@ -70,7 +70,7 @@ std::vector<LoopCandidate> LoopCloser::FindAll(const PoseGraph& graph, const std
     const SE2 T_submap_map = graph.Pose(submap.id).Inverse();
     for (const int index : near) {
       const Keyframe& keyframe = keyframes[static_cast<size_t>(index)];
-      if (index % options_.keyframe_stride != 0 || !keyframe.inserted) continue;
+      if (index % options_.keyframe_stride != 0 || !keyframe.is_inserted) continue;
       if (known.count({submap.id.value, index}) > 0) continue;
       if (!target) target = std::make_unique<MatchTarget>(submap.cells, cell_size_, max_distance_);
       const SearchWindow window{options_.search_translation, options_.search_rotation, 0.01, {}};

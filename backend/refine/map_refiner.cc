@@ -52,7 +52,7 @@ PoseGraph MapRefiner::Remeasure(const PoseGraph& graph, const std::vector<Keyfra
       // searched for in the maps of its own time.
       const bool is_of_this_time = submap.keyframes.front() < keyframe.id && keyframe.id < submap.keyframes.back();
       const SE2 initial = T_submap_map * T_map_keyframe;
-      const MatchResult match = !keyframe.inserted && is_of_this_time
+      const MatchResult match = !keyframe.is_inserted && is_of_this_time
                                     ? matcher_.Match(target, keyframe.scan.points, initial, kSpoiltWindow)
                                     : matcher_.MatchNear(target, keyframe.scan.points, initial);
       if (!IsUsable(match.verdict)) continue;

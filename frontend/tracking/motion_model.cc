@@ -41,4 +41,10 @@ SE2 PredictPose(const StampedPose& previous, const StampedPose& last, double sta
   return last.pose * SE2(next.x(), next.y(), stretch * turn);
 }
 
+Eigen::Matrix3d MotionInformation(const MotionOptions& options) {
+  const double translation = 1.0 / (options.translation_sigma * options.translation_sigma);
+  const double rotation = 1.0 / (options.rotation_sigma * options.rotation_sigma);
+  return Eigen::Vector3d(translation, translation, rotation).asDiagonal();
+}
+
 }  // namespace arborslam

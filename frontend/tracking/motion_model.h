@@ -32,6 +32,9 @@ struct MotionOptions {
 /// The pose at `stamp` [s] after the poses at `previous` and `last` (previous.stamp < last.stamp <= stamp).
 SE2 PredictPose(const StampedPose& previous, const StampedPose& last, double stamp, const MotionOptions& options);
 
+/// The information (x, y, theta) [1/m^2, 1/rad^2] of a predicted step.
+Eigen::Matrix3d MotionInformation(const MotionOptions& options);
+
 }  // namespace arborslam
 
 #endif  // ARBORSLAM_FRONTEND_TRACKING_MOTION_MODEL_H_
