@@ -1,1 +1,214 @@
-int main() { return 1; }
+// arborslam_offline: a recorded run in, an optimised trajectory and a map out.
+
+#include <gflags/gflags.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "apps/common/program.h"
+#include "apps/common/progress_bar.h"
+#include "apps/offline/map_picture.h"
+#include "apps/offline/summary.h"
+#include "backend/slam.h"
+#include "core/config/config_schema.h"
+#include "core/error.h"
+#include "core/io/atomic_file.h"
+#include "core/io/g2o.h"
+#include "core/io/map_io.h"
+#include "core/io/png.h"
+#include "core/io/scan_source.h"
+#include "core/io/trajectory_io.h"
+#include "core/stopwatch.h"
+
+DEFINE_string(input, "", "recording to process");
+DEFINE_string(output, "", "folder for the results");
+DEFINE_string(config, "", "YAML file with options");
+DEFINE_string(ground_truth, "", "reference trajectory to report errors against");
+DEFINE_int32(threads, 0, "threads for loop closure and optimisation, 0: all cores");
+DEFINE_bool(odometry_only, false, "close no loops");
+DEFINE_int32(max_scans, 0, "stop after this many scans, 0: never");
+DEFINE_bool(quiet, false, "print errors only");
+
+namespace arborslam {
+namespace {
+
+constexpr char kUsage[] =
+    R"(usage: arborslam_offline --input PATH --output DIR [flags]
+
+Smooths a recorded run: matches every scan, closes loops, and writes the trajectory and the map into DIR. The same input
+and options give the same results, bit by bit, for any number of threads.
+
+  --input PATH           recording: a .npz file with scan0 (N x B ranges [m]) and time (N stamps [s])
+  --output DIR           created if it does not exist
+  --config FILE.yaml     options; config/default.yaml lists them all
+  --set SECTION.KEY=VALUE ...
+                         one option each, after the file's
+  --ground_truth FILE    TUM file or .npz with gnss_rotated_c; reported against, never used
+  --threads N            for loop closure and optimisation (default: all cores)
+  --odometry_only        close no loops: trajectory.tum is what the sliding window left
+  --max_scans N          stop after N scans
+  --quiet                print errors only
+  --help, --version
+
+Writes trajectory.tum (optimised pose of every scan used), odometry.tum (the causal estimate, as known when the scan came),
+map.pgm + map.yaml (ROS map_server), map.png, graph.g2o, summary.json (counts, rejected scans with reasons, loops, times,
+memory, errors) and effective_config.yaml. A pose's stamp is the middle of its sweep. Ctrl-C ends the run early and keeps
+what there is (exit code 130).
+)";
+
+// Exit code after an interruption, as shells have it for SIGINT.
+constexpr int kExitInterrupted = 130;
+
+// Set by the signal handler; a handler can reach nothing else.
+volatile std::sig_atomic_t g_is_interrupted = 0;
+
+void CheckFlags() {
+  if (FLAGS_input.empty()) throw UsageError("--input PATH is missing; see --help");
+  if (FLAGS_output.empty()) throw UsageError("--output DIR is missing; see --help");
+  if (FLAGS_threads < 0 || FLAGS_threads > 1024) {
+    throw UsageError("--threads is " + std::to_string(FLAGS_threads) + " but must lie in [0, 1024]");
+  }
+  if (FLAGS_max_scans < 0) {
+    throw UsageError("--max_scans is " + std::to_string(FLAGS_max_scans) + " but must be 0 or more");
+  }
+}
+
+int NumThreads() {
+  return FLAGS_threads > 0 ? FLAGS_threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+// The output folder, made and proved to be writable before hours of work.
+std::filesystem::path PrepareOutput() {
+  const std::filesystem::path folder(FLAGS_output);
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!std::filesystem::is_directory(folder)) {
+    const std::string reason = error ? " (" + error.message() + ")" : "";
+    throw UserError(FLAGS_output, "cannot be made a folder" + reason, "choose another --output");
+  }
+  return folder;
+}
+
+// Feeds the recording to `slam`; fills the record's scans and the causal trajectory.
+void Track(ScanSource* source, Slam* slam, RunRecord* record, Trajectory* odometry) {
+  std::optional<size_t> total = source->NumScans();
+  if (total && FLAGS_max_scans > 0) total = std::min(*total, static_cast<size_t>(FLAGS_max_scans));
+  ProgressBar progress(std::cerr, total, StderrIsTerminal() && !FLAGS_quiet);
+  while (g_is_interrupted == 0 &&
+         (FLAGS_max_scans == 0 || record->scans.size() < static_cast<size_t>(FLAGS_max_scans))) {
+    const std::optional<LaserScan> scan = source->Next();
+    if (!scan) break;
+    record->scans.push_back(slam->AddScan(*scan));
+    const ScanResult& result = record->scans.back();
+    if (result.status != ScanStatus::kSkipped) odometry->push_back({result.stamp, result.T_odom_base});
+    progress.Update(record->scans.size());
+  }
+  record->is_interrupted = g_is_interrupted != 0;
+}
+
+void RequireKeyframes(const Slam& slam, const RunRecord& record) {
+  if (!slam.keyframes().empty()) return;
+  if (record.scans.empty()) {
+    throw UserError(FLAGS_input, record.is_interrupted ? "interrupted before the first scan" : "holds no scans",
+                    "nothing was written");
+  }
+  throw UserError(FLAGS_input, "none of its " + std::to_string(record.scans.size()) + " scans has enough returns",
+                  "check the recording and the range limits of section 'projection'");
+}
+
+TrajectoryEvaluation Evaluate(const Trajectory& estimate, const Trajectory3& reference, size_t* unmatched) {
+  const AssociationResult pairs =
+      Associate(ToTrajectory3(estimate), reference, AssociationOptions{}, FLAGS_input + " and " + FLAGS_ground_truth);
+  *unmatched = pairs.unmatched_estimate;
+  return EvaluateTrajectory(pairs.pairs, pairs.has_headings, AlignmentKind::kSe2);
+}
+
+// The graph for other programs: keyframes keep their numbers, submaps follow them.
+PoseGraph2 ToG2o(const Slam& slam) {
+  const int num_keyframes = static_cast<int>(slam.keyframes().size());
+  const auto number = [num_keyframes](NodeId id) {
+    return id.kind == NodeId::Kind::kKeyframe ? id.value : num_keyframes + id.value;
+  };
+  // What a degenerate measurement does not say, g2o must be told very weakly: it wants positive definite matrices.
+  const Eigen::Matrix3d least = 1e-6 * Eigen::Matrix3d::Identity();
+  PoseGraph2 graph;
+  for (const auto& [id, pose] : slam.graph().poses()) graph.vertices[number(id)] = pose;
+  for (const Constraint& constraint : slam.graph().constraints()) {
+    graph.edges.push_back(
+        {number(constraint.from), number(constraint.to), constraint.T_from_to, constraint.information + least});
+  }
+  return graph;
+}
+
+int Run(const MultiFlags& multi_flags) {
+  CheckFlags();
+  SlamOptions options;
+  ConfigSchema schema;
+  options.VisitSections([&schema](const std::string& name, auto& section) { schema.AddSection(name, &section); });
+  if (!FLAGS_config.empty()) schema.LoadYamlFile(FLAGS_config);
+  for (const std::string& assignment : multi_flags.at("set")) schema.ApplyOverride(assignment);
+  schema.ValidateAll();
+
+  std::optional<Trajectory3> reference;
+  if (!FLAGS_ground_truth.empty()) reference = ReadTrajectory(FLAGS_ground_truth);
+  const std::unique_ptr<ScanSource> source = OpenScanSource(FLAGS_input);
+  const std::filesystem::path folder = PrepareOutput();
+  WriteFileAtomically((folder / "effective_config.yaml").string(), schema.ToYaml());
+
+  RunRecord record;
+  record.input = FLAGS_input;
+  record.num_threads = NumThreads();
+  record.odometry_only = FLAGS_odometry_only;
+  record.notices = source->Notices();
+  if (!FLAGS_quiet) {
+    for (const std::string& notice : record.notices) std::cerr << "note: " << notice << "\n";
+  }
+
+  std::signal(SIGINT, [](int) { g_is_interrupted = 1; });
+  std::signal(SIGTERM, [](int) { g_is_interrupted = 1; });
+  Stopwatch stopwatch;
+  Slam slam(options, record.num_threads);
+  Trajectory odometry;
+  Track(source.get(), &slam, &record, &odometry);
+  RequireKeyframes(slam, record);
+  record.finish = slam.Finish(FLAGS_odometry_only);
+  record.num_submaps = slam.submaps().size();
+  record.wall_seconds = stopwatch.Lap() / 1000.0;
+
+  const Trajectory trajectory = slam.OptimizedTrajectory();
+  if (reference) {
+    record.errors.emplace();
+    record.errors->trajectory = Evaluate(trajectory, *reference, &record.errors->unmatched_poses);
+    record.errors->odometry = Evaluate(odometry, *reference, &record.errors->unmatched_poses);
+  }
+  const GridImage map = ToGridImage(slam.BuildMap());
+  WriteTum((folder / "trajectory.tum").string(), trajectory);
+  WriteTum((folder / "odometry.tum").string(), odometry);
+  WriteMapServer((folder / "map.yaml").string(), map);
+  WritePng((folder / "map.png").string(), DrawMap(map, trajectory));
+  WriteG2o((folder / "graph.g2o").string(), ToG2o(slam));
+  WriteFileAtomically((folder / "summary.json").string(), SummaryJson(record));
+  if (!FLAGS_quiet) std::cout << SummaryText(record) << "results in " << folder.string() << "\n";
+  if (!record.is_interrupted) return kExitSuccess;
+  std::cerr << "arborslam_offline: interrupted after " << record.scans.size() << " scans; the results in "
+            << folder.string() << " cover these\n";
+  return kExitInterrupted;
+}
+
+}  // namespace
+}  // namespace arborslam
+
+int main(int argc, char** argv) {
+  return arborslam::RunProgram({"arborslam_offline", arborslam::kUsage, __FILE__, {"set"}}, argc, argv,
+                               &arborslam::Run);
+}

@@ -1,0 +1,20 @@
+#ifndef ARBORSLAM_APPS_OFFLINE_MAP_PICTURE_H_
+#define ARBORSLAM_APPS_OFFLINE_MAP_PICTURE_H_
+
+#include "core/io/map_io.h"
+#include "core/io/png.h"
+#include "core/map/occupancy_grid.h"
+#include "core/sensor/stamped_pose.h"
+
+namespace arborslam {
+
+/// The known part of `grid` for exchange, with a margin of one cell.
+GridImage ToGridImage(const OccupancyGrid& grid);
+
+/// A picture of the map: white is free, grey unknown, black occupied, the trajectory blue from a green start to a red
+/// end. A map that is too large is drawn at a fraction of its resolution.
+RgbImage DrawMap(const GridImage& map, const Trajectory& trajectory);
+
+}  // namespace arborslam
+
+#endif  // ARBORSLAM_APPS_OFFLINE_MAP_PICTURE_H_

@@ -1,0 +1,44 @@
+#ifndef ARBORSLAM_APPS_OFFLINE_SUMMARY_H_
+#define ARBORSLAM_APPS_OFFLINE_SUMMARY_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "backend/slam.h"
+#include "core/evaluation/trajectory_metrics.h"
+
+namespace arborslam {
+
+/// A run's errors against its reference.
+struct RunErrors {
+  TrajectoryEvaluation trajectory;  ///< The optimised one, SE(2)-aligned.
+  TrajectoryEvaluation odometry;    ///< The causal one, likewise.
+  size_t unmatched_poses = 0;       ///< Poses without a partner in the reference.
+};
+
+/// All that summary.json tells.
+struct RunRecord {
+  std::string input;
+  int num_threads = 1;
+  bool odometry_only = false;
+  bool is_interrupted = false;
+  std::vector<std::string> notices;  ///< Of the reader.
+  std::vector<ScanResult> scans;     ///< In the order of the file.
+  FinishResult finish;
+  size_t num_submaps = 0;
+  double wall_seconds = 0.0;
+  std::optional<RunErrors> errors;
+};
+
+/// summary.json (its keys carry their units): the input, counts, every rejected or skipped scan with its reason, every
+/// loop that was tried with its figures, times of the stages (median, p95, max), peak memory, and the errors if there
+/// was a reference.
+std::string SummaryJson(const RunRecord& record);
+
+/// The same in a few lines for people.
+std::string SummaryText(const RunRecord& record);
+
+}  // namespace arborslam
+
+#endif  // ARBORSLAM_APPS_OFFLINE_SUMMARY_H_
