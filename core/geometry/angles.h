@@ -7,8 +7,12 @@ namespace arborslam {
 
 constexpr double kPi = 3.14159265358979323846;
 
-/// `angle` [rad] wrapped to [-pi, pi).
-inline double NormalizeAngle(double angle) { return angle - 2.0 * kPi * std::floor((angle + kPi) / (2.0 * kPi)); }
+/// `angle` [rad] wrapped to [-pi, pi); one that lies there already is returned as it is.
+inline double NormalizeAngle(double angle) {
+  if (angle >= -kPi && angle < kPi) return angle;
+  const double wrapped = std::remainder(angle, 2.0 * kPi);  // In [-pi, pi].
+  return wrapped == kPi ? -kPi : wrapped;
+}
 
 /// The signed rotation [rad] in [-pi, pi) that leads from `from` to `to`.
 inline double AngleDifference(double to, double from) { return NormalizeAngle(to - from); }

@@ -32,11 +32,11 @@ int TakeOverRow(DistanceMetric metric, const Sighting& earlier, const Sighting& 
     const int twice = excess + later.y + earlier.y;
     return (twice >= 0 ? twice + 1 : twice) / 2;
   }
-  // Parabolas: across^2 + (y - y_i)^2.
-  const int numerator =
-      later.across * later.across - earlier.across * earlier.across + later.y * later.y - earlier.y * earlier.y;
-  const int denominator = 2 * gap;
-  return numerator >= 0 ? (numerator + denominator - 1) / denominator : -((-numerator) / denominator);
+  // Parabolas: across^2 + (y - y_i)^2. A map may be so long that the square of its rows is no int.
+  const int64_t excess = later.across * later.across - earlier.across * earlier.across;
+  const int64_t numerator = excess + static_cast<int64_t>(gap) * (later.y + earlier.y);
+  const int64_t denominator = 2 * static_cast<int64_t>(gap);
+  return static_cast<int>(numerator >= 0 ? (numerator + denominator - 1) / denominator : -((-numerator) / denominator));
 }
 
 }  // namespace
@@ -48,9 +48,10 @@ DistanceField::DistanceField(const std::vector<Eigen::Vector2f>& points, double 
       max_distance_(static_cast<float>(max_distance)) {
   CHECK_GT(cell_size, 0.0);
   CHECK_GE(max_distance, 0.0);
-  const int radius = static_cast<int>(std::floor(max_distance / cell_size + 1e-6));
+  const double reach = max_distance / cell_size + 1e-6;  // [cells], rounding forgiven.
+  const int radius = static_cast<int>(std::floor(reach));
   CHECK_LE(radius, 150) << "max_distance is too many cells";
-  const int max_steps = metric == DistanceMetric::kL1 ? radius : radius * radius;
+  const int max_steps = metric == DistanceMetric::kL1 ? radius : static_cast<int>(std::floor(reach * reach));
   metres_.resize(static_cast<size_t>(max_steps) + 2, max_distance_);
   for (int steps = 0; steps <= max_steps; ++steps) {
     const double cells = metric == DistanceMetric::kL1 ? steps : std::sqrt(static_cast<double>(steps));

@@ -1,0 +1,78 @@
+// What it costs to keep a map and to make it ready for matching.
+
+#include <benchmark/benchmark.h>
+
+#include <vector>
+
+#include "core/map/distance_field.h"
+#include "core/map/min_pyramid.h"
+#include "core/map/occupancy_grid.h"
+#include "frontend/matching/match_target.h"
+#include "tests/benchmark/simulated_run.h"
+
+namespace arborslam {
+namespace {
+
+// One scan into a grown grid.
+void BM_GridInsert(benchmark::State& state) {
+  const MappedOrchard& mapped = SharedMappedOrchard();
+  OccupancyGrid grid = mapped.grid;
+  size_t i = 0;
+  for (auto _ : state) {
+    grid.Insert(mapped.poses[i], mapped.scans[i]);
+    i = (i + 1) % mapped.scans.size();
+  }
+}
+BENCHMARK(BM_GridInsert)->Unit(benchmark::kMicrosecond);
+
+// All scans into a new grid, growth included.
+void BM_GridBuild(benchmark::State& state) {
+  const MappedOrchard& mapped = SharedMappedOrchard();
+  for (auto _ : state) {
+    OccupancyGrid grid((OccupancyGridOptions()));
+    for (size_t i = 0; i < mapped.scans.size(); ++i) grid.Insert(mapped.poses[i], mapped.scans[i]);
+    benchmark::DoNotOptimize(grid);
+  }
+  state.counters["scans"] = static_cast<double>(mapped.scans.size());
+}
+BENCHMARK(BM_GridBuild)->Unit(benchmark::kMillisecond);
+
+void BM_OccupiedCells(benchmark::State& state) {
+  const MappedOrchard& mapped = SharedMappedOrchard();
+  for (auto _ : state) benchmark::DoNotOptimize(mapped.grid.OccupiedCells(0.0f));
+  state.counters["occupied"] = static_cast<double>(mapped.grid.OccupiedCells(0.0f).size());
+}
+BENCHMARK(BM_OccupiedCells)->Unit(benchmark::kMicrosecond);
+
+void BM_DistanceField(benchmark::State& state, DistanceMetric metric) {
+  const MappedOrchard& mapped = SharedMappedOrchard();
+  const double max_distance = mapped.target.field().max_distance();
+  std::vector<Eigen::Vector2f> points;
+  for (const OccupiedCell& cell : mapped.cells) points.push_back(cell.centroid);
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(DistanceField(points, mapped.grid.cell_size(), max_distance, metric));
+  }
+  const DistanceField& field = mapped.target.field();
+  state.counters["occupied"] = static_cast<double>(points.size());
+  state.counters["cells"] = static_cast<double>(field.width()) * field.height();
+}
+BENCHMARK_CAPTURE(BM_DistanceField, L1, DistanceMetric::kL1)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(BM_DistanceField, L2, DistanceMetric::kL2)->Unit(benchmark::kMicrosecond);
+
+// Argument: levels. The tracker's small window takes 4, its wide one 5.
+void BM_MinPyramid(benchmark::State& state) {
+  const DistanceField& field = SharedMappedOrchard().target.field();
+  for (auto _ : state) benchmark::DoNotOptimize(MinPyramid(field, static_cast<int>(state.range(0))));
+}
+BENCHMARK(BM_MinPyramid)->Arg(4)->Arg(5)->Unit(benchmark::kMicrosecond);
+
+// Landmarks with their shapes and the distance field, without the pyramid.
+void BM_MatchTarget(benchmark::State& state) {
+  const MappedOrchard& mapped = SharedMappedOrchard();
+  const double max_distance = mapped.target.field().max_distance();
+  for (auto _ : state) benchmark::DoNotOptimize(MatchTarget(mapped.cells, mapped.grid.cell_size(), max_distance));
+}
+BENCHMARK(BM_MatchTarget)->Unit(benchmark::kMicrosecond);
+
+}  // namespace
+}  // namespace arborslam
