@@ -12,7 +12,7 @@
 namespace arborslam {
 
 struct RefinementOptions {
-  int max_iterations = 20;              ///< Gauss-Newton steps.
+  int max_iterations = 12;              ///< Gauss-Newton steps.
   double robust_scale = 0.05;           ///< [m], distance at which a point's weight has fallen to a half (Cauchy).
   double min_step = 3e-4;               ///< [m] and [rad / 10], a step shorter than this ends the iteration.
   double min_information_ratio = 0.04;  ///< A direction that is known this much less well than the best is degenerate.

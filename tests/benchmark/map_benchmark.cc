@@ -16,7 +16,8 @@ namespace {
 // One scan into a grown grid.
 void BM_GridInsert(benchmark::State& state) {
   const MappedOrchard& mapped = SharedMappedOrchard();
-  OccupancyGrid grid = mapped.grid;
+  OccupancyGrid grid((OccupancyGridOptions()));
+  for (size_t k = 0; k < mapped.scans.size(); ++k) grid.Insert(mapped.poses[k], mapped.scans[k]);
   size_t i = 0;
   for (auto _ : state) {
     grid.Insert(mapped.poses[i], mapped.scans[i]);

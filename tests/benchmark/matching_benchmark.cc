@@ -17,12 +17,18 @@ namespace {
 
 SearchWindow NearWindow() {
   const TrackerOptions options;
-  return {options.near_translation, options.near_rotation, options.rotation_step};
+  return {options.near_translation,
+          options.near_rotation,
+          options.near_rotation_step,
+          {options.translation_penalty, options.rotation_penalty}};
 }
 
 SearchWindow WideWindow() {
   const TrackerOptions options;
-  return {options.wide_translation, options.wide_rotation, options.rotation_step};
+  return {options.wide_translation,
+          options.wide_rotation,
+          options.wide_rotation_step,
+          {options.translation_penalty, options.rotation_penalty}};
 }
 
 // Counters: nodes scored per scan, and the share of scans whose pose was found within half a metre and 0.1 rad.

@@ -87,8 +87,8 @@ inline const MappedOrchard& SharedMappedOrchard() {
 
 /// A run as the backend sees it: noisy relative poses between keyframes and submaps, without any scan.
 struct MeasuredRun {
-  static constexpr int kSubmapInterval =
-      100;  ///< [keyframes] from one submap to the next; each lives for two of these.
+  /// [keyframes] from one submap to the next; each lives for two of these.
+  static constexpr int kSubmapInterval = 100;
 
   std::vector<SE2> keyframes;                        ///< True poses.
   std::vector<SE2> submaps;                          ///< True poses: those of every hundredth keyframe.
