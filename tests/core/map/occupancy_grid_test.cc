@@ -22,7 +22,7 @@ using CellIndex = std::pair<int, int>;  // Cell (x, y) of the plane covers [x, x
 
 constexpr float kEverything = -std::numeric_limits<float>::infinity();
 
-// log(p / (1 - p)) of the default options' probabilities.
+// log(p / (1 - p)) of the probabilities that `WithCellSize` sets.
 constexpr double kHit = 1.3862943611198906;     // log 4
 constexpr double kMiss = -0.40546510810816444;  // log(2 / 3)
 constexpr double kMin = -1.9924301646902063;    // log(12 / 88)
@@ -30,6 +30,11 @@ constexpr double kMax = 3.4760986898352733;     // log(97 / 3)
 
 OccupancyGridOptions WithCellSize(double cell_size) {
   OccupancyGridOptions options;
+  options.hit_probability = 0.8;
+  options.miss_probability = 0.4;
+  options.min_probability = 0.12;
+  options.max_probability = 0.97;
+  options.miss_range = 1000.0;
   options.cell_size = cell_size;
   return options;
 }
@@ -121,6 +126,21 @@ TEST(LogOddsTest, KnownValuesAndInverse) {
   EXPECT_NEAR(LogOddsOf(0.12), kMin, 1e-12);
   EXPECT_NEAR(LogOddsOf(0.97), kMax, 1e-12);
   for (double p = 0.01; p < 1.0; p += 0.01) EXPECT_NEAR(ProbabilityOf(LogOddsOf(p)), p, 1e-12);
+}
+
+TEST(OccupancyGridTest, RaysCountAsMissesNoFartherThanTheMissRange) {
+  OccupancyGridOptions options = WithCellSize(0.1);
+  options.miss_range = 2.0;
+  OccupancyGrid grid(options);
+  grid.Insert(SE2(0.05, 0.05, 0.0), ScanOf({{5.0f, 0.0f}}, {{0.0f, 5.0f}}));
+  for (int i = 0; i < 49; ++i) {
+    EXPECT_EQ(At(grid, {i, 0}).known, i < 20) << i;
+    EXPECT_EQ(At(grid, {0, i}).known, i < 20) << i;
+  }
+  EXPECT_NEAR(At(grid, {50, 0}).log_odds, kHit, 1e-6) << "a hit counts at any range";
+
+  options.miss_range = -1.0;
+  EXPECT_EQ(options.Validate().find("miss_range"), 0u);
 }
 
 TEST(OccupancyGridTest, StartsEmpty) {
