@@ -86,36 +86,40 @@ class EstimatingFunction {
   std::vector<float> order_;                // The same, reordered.
 };
 
-// Typical distance of the points from the base [m].
-double RootMeanSquareRange(const std::vector<Eigen::Vector2f>& points) {
+// Typical distance of the points from the base [m], at least `least`: there a turn moves a point as a shift does.
+double TypicalRange(const std::vector<Eigen::Vector2f>& points, double least) {
   double sum = 0.0;
   for (const Eigen::Vector2f& point : points) sum += point.squaredNorm();
-  return std::sqrt(sum / static_cast<double>(points.size()));
+  return std::max(least, std::sqrt(sum / static_cast<double>(points.size())));
 }
 
-// How the force changes with the pose and with the range offset.
-struct Slope {
-  Eigen::Matrix3d pose;
-  Force range_offset;
-};
-
-// `range` [m]: at this distance from the base a turn moves a point by as much as a shift does.
-Slope MeasureSlope(const SE2& pose, double step, double range, EstimatingFunction* function) {
-  Slope slope;
+// How the force on the pose changes with the pose; a turn moves points by `step` [m] at `range` [m].
+Eigen::Matrix3d PoseSlope(const SE2& pose, double step, double range, EstimatingFunction* function) {
+  Eigen::Matrix3d slope;
   const Eigen::Vector3d steps(step, step, step / range);
   for (int i = 0; i < 3; ++i) {
     const Eigen::Vector3d move = steps(i) * Eigen::Vector3d::Unit(i);
     const SE2 ahead = pose * SE2(move.x(), move.y(), move.z());
     const SE2 behind = pose * SE2(-move.x(), -move.y(), -move.z());
-    slope.pose.col(i) = (function->Total(ahead, 0.0f) - function->Total(behind, 0.0f)).head<3>() / (2.0 * steps(i));
+    slope.col(i) = (function->Total(ahead, 0.0f) - function->Total(behind, 0.0f)).head<3>() / (2.0 * steps(i));
   }
-  slope.pose = (0.5 * (slope.pose + slope.pose.transpose())).eval();
+  return 0.5 * (slope + slope.transpose());
+}
+
+// How the force, also that on the range offset, changes with the range offset.
+Force RangeOffsetSlope(const SE2& pose, double step, EstimatingFunction* function) {
   const auto offset = static_cast<float>(step);
-  slope.range_offset = (function->Total(pose, offset) - function->Total(pose, -offset)) / (2.0 * step);
-  return slope;
+  return (function->Total(pose, offset) - function->Total(pose, -offset)) / (2.0 * step);
 }
 
 }  // namespace
+
+Eigen::Matrix3d ForceSlope(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& pose,
+                           const MhdOptions& mhd, const MatchCovarianceOptions& options) {
+  if (points.empty() || target.empty()) return Eigen::Matrix3d::Zero();
+  EstimatingFunction function(target, points, mhd, options.robust_scale);
+  return PoseSlope(pose, options.step, TypicalRange(points, options.step), &function);
+}
 
 Eigen::Matrix3d MatchInformation(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& pose,
                                  const MhdOptions& mhd, const MatchCovarianceOptions& options, double lever_arm,
@@ -145,17 +149,18 @@ Eigen::Matrix3d MatchInformation(const MatchTarget& target, const std::vector<Ei
   const Eigen::Vector3d scale(1.0, 1.0, 1.0 / lever_arm);
   const Eigen::MatrixXd to_free = scale.asDiagonal() * free_directions;
   const Eigen::MatrixXd from_free = scale.cwiseInverse().asDiagonal() * free_directions;
-  const double range = std::max(RootMeanSquareRange(points), options.step);
+  const double range = TypicalRange(points, options.step);
   Eigen::MatrixXd information;
   for (double step = options.step;; step *= 2.0) {
-    const Slope slope = MeasureSlope(pose, step, range, &function);
+    const Eigen::Matrix3d slope = PoseSlope(pose, step, range, &function);
+    const Force by_offset = RangeOffsetSlope(pose, step, &function);
     Eigen::Matrix3d spread = patch_spread;
-    if (slope.range_offset(3) > 0.0) {
-      const double range_offset = std::clamp(-total(3) / slope.range_offset(3), -step, step);
-      spread += range_offset * range_offset * slope.range_offset.head<3>() * slope.range_offset.head<3>().transpose();
+    if (by_offset(3) > 0.0) {
+      const double offset = std::clamp(-total(3) / by_offset(3), -step, step);
+      spread += offset * offset * by_offset.head<3>() * by_offset.head<3>().transpose();
     }
     // Where the force does not pull back at all, nothing is known.
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(to_free.transpose() * slope.pose * to_free);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(to_free.transpose() * slope * to_free);
     const Eigen::MatrixXd pull =
         eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(1e-9).asDiagonal() * eigen.eigenvectors().transpose();
     const Eigen::MatrixXd free_spread = to_free.transpose() * spread * to_free + kLeastVariance * pull;

@@ -18,6 +18,13 @@ struct MatchCovarianceOptions {
   double step;
 };
 
+/// How fast the force on a pose T_target_base rises as the pose moves away from it: the Hessian of what the refinement
+/// minimises, (x, y, theta) in the base frame, measured by moving the points by `options.step` to either side and
+/// associating anew. Along a direction that the map does not determine it is 0, give or take the noise; the Hessian of
+/// Gauss-Newton is not, since it takes each point to be tied to its cell.
+Eigen::Matrix3d ForceSlope(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& pose,
+                           const MhdOptions& mhd, const MatchCovarianceOptions& options);
+
 /// The information of a pose T_target_base that the refinement has found: (x, y, theta) in the base frame, [m, rad],
 /// confined to the image of `free_directions` (orthonormal columns (x, y, theta * lever_arm), base frame; at most
 /// three); `lever_arm` in metres. Zero when fewer than four patches of ground take part.
