@@ -82,7 +82,9 @@ MatchResult Matcher::MatchBetter(const MatchTarget& target, const std::vector<Ei
   result.cost = result.score + PenaltyOf(result.pose, prediction, window.penalty);
   result.num_scored = found->num_scored;
   if (check_uniqueness && IsUsable(result.verdict)) {
-    const double limit = found->cost / options_.max_second_ratio;
+    // The search tells costs apart by quantisation steps: a perfect one, 0, must not rule out its equals.
+    const double step = static_cast<double>(target.field().max_distance()) / MinPyramid::kNumSteps;
+    const double limit = std::max(found->cost, step) / options_.max_second_ratio;
     const std::optional<SearchResult> second = BranchAndBound(target, sample, prediction, window, mhd_, limit,
                                                               Exclusion{found->pose, kModeTranslation, kModeRotation});
     if (second) {

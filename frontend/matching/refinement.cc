@@ -2,17 +2,18 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <sstream>
 
 #include "core/geometry/angles.h"
+#include "frontend/matching/match_covariance.h"
 
 namespace arborslam {
 namespace {
 
-// [m], edge of the patches within which residuals are taken to err together.
-constexpr float kPatchSize = 0.5f;
+// The slope by which degenerate directions are told is measured over a wider step than the covariance's, for less
+// noise: along corridors it then stays below 0.03 of the greatest, in orchards above 0.1.
+constexpr double kDegeneracySteps = 2.0;
 
 // A point beside the landmark it was matched to.
 struct Pair {
@@ -40,8 +41,7 @@ class Refiner {
     RefinementResult result;
     result.pose = Iterate(initial, Eigen::Matrix3d::Identity(), &result.iterations);
     Associate(result.pose);
-    const NormalEquations normal = Accumulate();
-    FindDegenerate(result.pose, normal.hessian, &result);
+    FindDegenerate(result.pose, &result);
     if (result.num_degenerate > 0) {
       // Along the degenerate directions the search and the steps above went astray: go back to the prediction there,
       // and refine the others once more.
@@ -147,10 +147,11 @@ class Refiner {
     return basis * basis.transpose();
   }
 
-  void FindDegenerate(const SE2& pose, const Eigen::Matrix3d& hessian, RefinementResult* result) const {
-    const Eigen::Vector3d scale(1.0, 1.0, options_.lever_arm);
-    const Eigen::Matrix3d jacobian = ToBase(pose).transpose() * scale.cwiseInverse().asDiagonal();
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(jacobian.transpose() * hessian * jacobian);
+  void FindDegenerate(const SE2& pose, RefinementResult* result) const {
+    const Eigen::Vector3d to_metres(1.0, 1.0, 1.0 / options_.lever_arm);
+    const Eigen::Matrix3d slope = ForceSlope(target_, points_, pose, mhd_options_,
+                                             {options_.robust_scale, kDegeneracySteps * options_.covariance_step});
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(to_metres.asDiagonal() * slope * to_metres.asDiagonal());
     const double limit = options_.min_information_ratio * eigen.eigenvalues()(2);
     for (int i = 0; i < 3 && eigen.eigenvalues()(i) <= limit; ++i) {
       result->degenerate_basis.col(i) = eigen.eigenvectors().col(i);
@@ -159,38 +160,17 @@ class Refiner {
   }
 
   Eigen::Matrix3d Information(const SE2& pose, const RefinementResult& result) const {
-    const auto cutoff = static_cast<float>(mhd_.cutoff);
-    std::array<Eigen::Vector3d, 256> patches;
-    patches.fill(Eigen::Vector3d::Zero());
-    int num_used = 0;
-    for (const Pair& pair : pairs_) {
-      if (pair.distance > cutoff) continue;
-      // Neighbouring patches get different slots; far ones that share a slot do little harm.
-      const auto x = static_cast<unsigned>(static_cast<int>(std::floor(pair.landmark->centroid.x() / kPatchSize)));
-      const auto y = static_cast<unsigned>(static_cast<int>(std::floor(pair.landmark->centroid.y() / kPatchSize)));
-      patches[(x * 73856093u ^ y * 19349663u) % patches.size()] += Gradient(pair, Weight(pair)).cast<double>();
-      ++num_used;
-    }
-    if (num_used < 3) return Eigen::Matrix3d::Zero();
-    Eigen::Matrix3d meat = Eigen::Matrix3d::Zero();
-    int num_patches = 0;
-    for (const Eigen::Vector3d& patch : patches) {
-      meat += patch * patch.transpose();
-      num_patches += patch.squaredNorm() > 0.0;
-    }
-    // Small-sample correction: three parameters were fitted.
-    meat *= num_patches / std::max(1.0, num_patches - 3.0);
+    // The directions that are free: the eigenvectors of the projector onto them that belong to 1, not to 0.
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(Eigen::Matrix3d::Identity() - Projector(result));
+    const Eigen::Matrix<double, 3, Eigen::Dynamic> free = eigen.eigenvectors().rightCols(3 - result.num_degenerate);
+    const Eigen::Matrix3d measured =
+        MatchInformation(target_, points_, pose, mhd_options_, {options_.robust_scale, options_.covariance_step},
+                         options_.lever_arm, free);
+    // The matched points lie within D_max of their landmarks: the pose cannot err by much more than half of that, however
+    // noisy a spoilt scan makes the slope.
+    const double most = 0.5 * static_cast<double>(target_.field().max_distance());
     const Eigen::Vector3d scale(1.0, 1.0, options_.lever_arm);
-    const Eigen::Matrix3d jacobian = ToBase(pose).transpose() * scale.cwiseInverse().asDiagonal();
-    Eigen::Matrix3d hessian = jacobian.transpose() * Accumulate().hessian * jacobian;
-    meat = jacobian.transpose() * meat * jacobian;
-    // A perfect fit (simulated or tiny) still errs by the noise of a landmark.
-    meat += 1e-6 * hessian;
-    // Information = H meat^-1 H, confined to the directions that are known.
-    const Eigen::Matrix3d free = Eigen::Matrix3d::Identity() - Projector(result);
-    hessian = free * hessian * free;
-    const Eigen::Matrix3d information = free * hessian * meat.inverse() * hessian * free / options_.covariance_scale;
-    return scale.asDiagonal() * (0.5 * (information + information.transpose())) * scale.asDiagonal();
+    return measured + scale.asDiagonal() * (free * free.transpose() / (most * most)) * scale.asDiagonal();
   }
 
   const MatchTarget& target_;
@@ -216,8 +196,8 @@ std::string RefinementOptions::Validate() const {
     error << "min_information_ratio is " << min_information_ratio << ", must lie in [0, 1)";
   } else if (!(lever_arm > 0.0 && lever_arm <= 1000.0)) {
     error << "lever_arm is " << lever_arm << " m, must lie in (0, 1000]";
-  } else if (!(covariance_scale > 0.0 && covariance_scale <= 1e6)) {
-    error << "covariance_scale is " << covariance_scale << ", must lie in (0, 1e6]";
+  } else if (!(covariance_step > 0.0 && covariance_step <= 1.0)) {
+    error << "covariance_step is " << covariance_step << " m, must lie in (0, 1]";
   }
   return error.str();
 }

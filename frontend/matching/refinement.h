@@ -17,7 +17,9 @@ struct RefinementOptions {
   double min_step = 3e-4;               ///< [m] and [rad / 10], a step shorter than this ends the iteration.
   double min_information_ratio = 0.04;  ///< A direction that is known this much less well than the best is degenerate.
   double lever_arm = 5.0;               ///< [m], makes a turn comparable with a shift: typical distance of a trunk.
-  double covariance_scale = 1.0;        ///< Multiplies the covariance.
+  /// [m], by how much points are moved to measure how firmly the map holds them: about a cell, and more than a match
+  /// errs by.
+  double covariance_step = 0.05;
 
   std::string Validate() const;
 
@@ -28,7 +30,7 @@ struct RefinementOptions {
     visit("min_step", min_step);
     visit("min_information_ratio", min_information_ratio);
     visit("lever_arm", lever_arm);
-    visit("covariance_scale", covariance_scale);
+    visit("covariance_step", covariance_step);
   }
 };
 
@@ -47,9 +49,8 @@ struct RefinementResult {
 /// Minimises the trimmed, robustly weighted squared distances of `points` [m, base frame] to the landmarks nearest
 /// them, by Gauss-Newton from `initial`, with the K best points (paper eq. 12) chosen anew in every step.
 ///
-/// The covariance is the cluster-robust sandwich (Liang and Zeger 1986): residuals are summed by half-metre patches of
-/// ground before they are squared, since the points on one trunk err together. Degenerate directions (after Zhang,
-/// Kaess and Singh 2016) keep the value they have in `prediction`.
+/// Degenerate directions (after Zhang, Kaess and Singh 2016) keep the value they have in `prediction`. The information
+/// is that of `MatchInformation`.
 RefinementResult Refine(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& initial,
                         const SE2& prediction, const MhdOptions& mhd, const RefinementOptions& options);
 

@@ -15,8 +15,8 @@ struct MotionOptions {
   std::string model = "omnidirectional";
   double max_extrapolation =
       3.0;  ///< After a gap longer than this many steps the robot is taken to stand where it was.
-  double translation_sigma = 0.3;  ///< [m], standard deviation of a predicted step's x and y.
-  double rotation_sigma = 0.5;     ///< [rad], standard deviation of a predicted step's turn.
+  double translation_sigma = 1.0;  ///< [m], standard deviation of a predicted step's x and y.
+  double rotation_sigma = 1.0;     ///< [rad], standard deviation of a predicted step's turn.
 
   std::string Validate() const;
 

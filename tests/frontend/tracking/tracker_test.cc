@@ -1,0 +1,280 @@
+#include "frontend/tracking/tracker.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/geometry/angles.h"
+#include "frontend/tracking/motion_model.h"
+#include "tests/frontend/simulated_run.h"
+
+namespace arborslam {
+namespace {
+
+Tracker MakeTracker(const TrackerOptions& options) {
+  return Tracker(options, OccupancyGridOptions(), kTestMaxDistance,
+                 Matcher(MatcherOptions(), MhdOptions(), RefinementOptions()));
+}
+
+PlanarScan Project(const PlanarOrchard& orchard, size_t index) {
+  return ProjectLaserScan(orchard.Scan(index), ProjectionOptions());
+}
+
+PlanarOrchardOptions WithSeed(int seed, double spoilt_scans) {
+  PlanarOrchardOptions options;
+  options.seed = seed;
+  options.spoilt_scans = spoilt_scans;
+  return options;
+}
+
+// Inserts `count` scans from `first` on at their true poses.
+void Build(const PlanarOrchard& orchard, size_t first, size_t count, Tracker* tracker) {
+  for (size_t i = first; i < first + count; ++i) {
+    tracker->Insert(KeyframeId{static_cast<int>(i)}, Project(orchard, i), orchard.TruePose(i));
+  }
+}
+
+// A scan with one point, for tests that need none.
+PlanarScan OnePoint() {
+  PlanarScan scan;
+  scan.points = {Eigen::Vector2f(2.0f, 0.0f)};
+  return scan;
+}
+
+TEST(TrackerTest, TracksAnOrchardOnItsOwn) {
+  const PlanarOrchard orchard(WithSeed(3, 0.0));
+  Tracker tracker = MakeTracker(TrackerOptions());
+  std::vector<StampedPose> poses;
+  int num_measured_twice = 0;
+  for (size_t i = 0; i < 90; ++i) {
+    const PlanarScan scan = Project(orchard, i);
+    const SE2 truth = orchard.TruePose(0).Inverse() * orchard.TruePose(i);
+    SE2 pose;
+    if (i > 0) {
+      const SE2 prediction =
+          i == 1 ? poses.back().pose : PredictPose(poses[i - 2], poses[i - 1], scan.stamp, MotionOptions());
+      const TrackingResult result = tracker.Track(scan.points, prediction);
+      ASSERT_TRUE(IsUsable(result.match.verdict)) << "scan " << i << ": " << ToString(result.match.verdict);
+      ASSERT_FALSE(result.measurements.empty());
+      pose = result.match.pose;
+      EXPECT_TRUE((tracker.SubmapPose(result.measurements[0].submap) * result.measurements[0].T_submap_base)
+                      .IsApprox(pose, 1e-9));
+      if (result.measurements.size() == 2) {
+        ++num_measured_twice;
+        const SE2 other = tracker.SubmapPose(result.measurements[1].submap) * result.measurements[1].T_submap_base;
+        EXPECT_TRUE(other.IsApprox(pose, 0.1));
+      }
+    }
+    EXPECT_LT((pose.translation() - truth.translation()).norm(), 0.4) << "scan " << i;
+    EXPECT_LT(std::abs(AngleDifference(pose.theta(), truth.theta())), 0.03) << "scan " << i;
+    poses.push_back({scan.stamp, pose});
+    tracker.Insert(KeyframeId{static_cast<int>(i)}, scan, pose);
+  }
+  EXPECT_EQ(tracker.ActiveSubmaps().size(), 1u) << "25 m are less than half a submap";
+  EXPECT_EQ(num_measured_twice, 0);
+}
+
+TEST(TrackerTest, MeasuresInBothSubmapsWhereTheyOverlap) {
+  const PlanarOrchard orchard(WithSeed(3, 0.0));
+  TrackerOptions options;
+  options.submap_length = 12.0;
+  Tracker tracker = MakeTracker(options);
+  Build(orchard, 0, 30, &tracker);
+  ASSERT_EQ(tracker.ActiveSubmaps().size(), 2u);
+  const SE2 truth = orchard.TruePose(30);
+  const TrackingResult result = tracker.Track(Project(orchard, 30).points, truth * SE2(0.1, -0.1, 0.03));
+  ASSERT_EQ(result.measurements.size(), 2u);
+  EXPECT_TRUE(result.insert);
+  EXPECT_FALSE(result.searched_wide);
+  for (const TrackingResult::Measurement& measurement : result.measurements) {
+    const SE2 pose = tracker.SubmapPose(measurement.submap) * measurement.T_submap_base;
+    EXPECT_LT((pose.translation() - truth.translation()).norm(), 0.06);
+    EXPECT_GT(measurement.information(0, 0), 0.0);
+  }
+  EXPECT_FALSE(result.measurements[0].submap == result.measurements[1].submap);
+}
+
+TEST(TrackerTest, WithoutSubmapsThereIsNothingToMatch) {
+  Tracker tracker = MakeTracker(TrackerOptions());
+  const SE2 prediction(1.0, 2.0, 0.3);
+  const TrackingResult result = tracker.Track({Eigen::Vector2f(1.0f, 0.0f)}, prediction);
+  EXPECT_EQ(result.match.verdict, MatchVerdict::kTooFewPoints);
+  EXPECT_TRUE(result.match.pose.IsApprox(prediction));
+  EXPECT_TRUE(result.measurements.empty());
+  EXPECT_FALSE(result.insert);
+  EXPECT_EQ(result.match.num_points, 1);
+}
+
+TEST(TrackerTest, AnEmptyScanIsNotMatched) {
+  const PlanarOrchard orchard(WithSeed(3, 0.0));
+  Tracker tracker = MakeTracker(TrackerOptions());
+  Build(orchard, 0, 10, &tracker);
+  const SE2 prediction = orchard.TruePose(10);
+  const TrackingResult result = tracker.Track({}, prediction);
+  EXPECT_EQ(result.match.verdict, MatchVerdict::kTooFewPoints);
+  EXPECT_TRUE(result.match.pose.IsApprox(prediction));
+  EXPECT_FALSE(result.searched_wide);
+  EXPECT_TRUE(result.measurements.empty());
+}
+
+TEST(TrackerTest, SubmapsBeginAndFinishAtTheirLengths) {
+  TrackerOptions options;
+  options.submap_length = 10.0;
+  Tracker tracker = MakeTracker(options);
+  std::vector<Submap> finished;
+  std::vector<int> begun_at;
+  int known = 0;
+  // A metre a scan, along x.
+  for (int i = 0; i <= 32; ++i) {
+    const std::optional<Submap> done = tracker.Insert(KeyframeId{i}, OnePoint(), SE2(i, 0.0, 0.0));
+    if (done) finished.push_back(*done);
+    const std::vector<SubmapId> active = tracker.ActiveSubmaps();
+    ASSERT_GE(active.size(), 1u);
+    ASSERT_LE(active.size(), 2u);
+    if (active.back().value == known) {
+      ++known;
+      begun_at.push_back(i);
+      EXPECT_TRUE(tracker.SubmapPose(active.back()).IsApprox(SE2(i, 0.0, 0.0))) << "anchored at its first scan";
+    }
+  }
+  // The scan after which a submap is 5 m long belongs to it; the next begins a submap.
+  EXPECT_EQ(begun_at, (std::vector<int>{0, 6, 12, 18, 24, 30}));
+  ASSERT_EQ(finished.size(), 4u);
+  for (size_t s = 0; s < finished.size(); ++s) {
+    EXPECT_EQ(finished[s].id.value, static_cast<int>(s));
+    // Ten metres from its first scan on.
+    ASSERT_EQ(finished[s].keyframes.size(), 11u);
+    for (size_t k = 0; k < 11; ++k) EXPECT_EQ(finished[s].keyframes[k].value, static_cast<int>(6 * s + k));
+  }
+  const std::vector<Submap> rest = tracker.FinishAll();
+  ASSERT_EQ(rest.size(), 2u);
+  EXPECT_EQ(rest[0].id.value, 4);
+  EXPECT_EQ(rest[1].keyframes.front().value, 30);
+  EXPECT_TRUE(tracker.ActiveSubmaps().empty());
+  EXPECT_TRUE(tracker.FinishAll().empty());
+}
+
+TEST(TrackerTest, SubmapCellsAreInTheFrameOfTheSubmap) {
+  Tracker tracker = MakeTracker(TrackerOptions());
+  tracker.Insert(KeyframeId{0}, OnePoint(), SE2(10.0, 5.0, 0.5 * kPi));
+  const std::vector<Submap> finished = tracker.FinishAll();
+  ASSERT_EQ(finished.size(), 1u);
+  ASSERT_EQ(finished[0].cells.size(), 1u);
+  EXPECT_TRUE(finished[0].cells[0].centroid.isApprox(Eigen::Vector2f(2.0f, 0.0f), 1e-4f));
+}
+
+TEST(TrackerTest, AStandingRobotNeverFinishesASubmap) {
+  Tracker tracker = MakeTracker(TrackerOptions());
+  for (int i = 0; i < 200; ++i) EXPECT_FALSE(tracker.Insert(KeyframeId{i}, OnePoint(), SE2(0.0, 0.0, 0.1 * i)));
+  EXPECT_EQ(tracker.ActiveSubmaps().size(), 1u);
+}
+
+TEST(TrackerTest, MatchesFollowASubmapThatIsMoved) {
+  const PlanarOrchard orchard(WithSeed(3, 0.0));
+  Tracker tracker = MakeTracker(TrackerOptions());
+  Build(orchard, 0, 20, &tracker);
+  const SubmapId id = tracker.ActiveSubmaps().front();
+  const SE2 correction(0.7, -0.2, 0.3);
+  tracker.SetSubmapPose(id, correction * tracker.SubmapPose(id));
+  const SE2 moved_truth = correction * orchard.TruePose(20);
+  const TrackingResult result = tracker.Track(Project(orchard, 20).points, moved_truth);
+  ASSERT_TRUE(IsUsable(result.match.verdict));
+  EXPECT_LT((result.match.pose.translation() - moved_truth.translation()).norm(), 0.06);
+  EXPECT_LT(std::abs(AngleDifference(result.match.pose.theta(), moved_truth.theta())), 0.01);
+}
+
+TEST(TrackerTest, KeyframesAreApartInSpaceOrTime) {
+  TrackerOptions options;
+  options.keyframe_translation = 0.5;
+  options.keyframe_rotation = 0.2;
+  options.keyframe_interval = 10.0;
+  const Tracker tracker = MakeTracker(options);
+  const StampedPose last{100.0, SE2(1.0, 1.0, 3.1)};
+  const auto is_keyframe = [&](double stamp, const SE2& motion) {
+    return tracker.IsKeyframe(last, {stamp, last.pose * motion});
+  };
+  EXPECT_FALSE(is_keyframe(100.0, SE2()));
+  EXPECT_FALSE(is_keyframe(109.9, SE2(0.3, 0.3, 0.19)));
+  EXPECT_TRUE(is_keyframe(100.1, SE2(0.3, 0.41, 0.0)));
+  EXPECT_TRUE(is_keyframe(100.1, SE2(0.0, 0.0, 0.21))) << "across the seam at pi";
+  EXPECT_TRUE(is_keyframe(100.1, SE2(0.0, 0.0, -0.21)));
+  EXPECT_TRUE(is_keyframe(110.0, SE2()));
+}
+
+TEST(TrackerTest, SpoiltScansAreKeptOutOfTheMaps) {
+  // Half of these scans are spoilt; the maps are made of the others.
+  const PlanarOrchard orchard(WithSeed(5, 0.5));
+  Tracker tracker = MakeTracker(TrackerOptions());
+  int num_spoilt = 0;
+  int num_spoilt_inserted = 0;
+  int num_clean = 0;
+  int num_clean_inserted = 0;
+  for (size_t i = 0; i < 90; ++i) {
+    const PlanarScan scan = Project(orchard, i);
+    if (i >= 20) {
+      const TrackingResult result = tracker.Track(scan.points, orchard.TruePose(i) * SE2(0.05, 0.05, 0.02));
+      ++(orchard.IsSpoilt(i) ? num_spoilt : num_clean);
+      if (result.insert) ++(orchard.IsSpoilt(i) ? num_spoilt_inserted : num_clean_inserted);
+      EXPECT_TRUE(!result.insert || IsUsable(result.match.verdict));
+    }
+    if (!orchard.IsSpoilt(i)) tracker.Insert(KeyframeId{static_cast<int>(i)}, scan, orchard.TruePose(i));
+  }
+  ASSERT_GT(num_spoilt, 25);
+  ASSERT_GT(num_clean, 25);
+  EXPECT_EQ(num_spoilt_inserted, 0);
+  EXPECT_GE(num_clean_inserted, static_cast<int>(0.95 * num_clean));
+}
+
+TEST(TrackerTest, TheWideSearchFindsAPoseAfterAHeadlandTurn) {
+  const PlanarOrchard orchard(WithSeed(3, 0.0));
+  TrackerOptions near_only;
+  near_only.wide_translation = near_only.near_translation;
+  near_only.wide_rotation = near_only.near_rotation;
+  Tracker wide = MakeTracker(TrackerOptions());
+  Tracker near = MakeTracker(near_only);
+  ASSERT_EQ(near_only.Validate(), "");
+  Build(orchard, 40, 25, &wide);
+  Build(orchard, 40, 25, &near);
+  for (const double turn : {2.0, -2.0}) {
+    SCOPED_TRACE(turn);
+    // The robot has turned by two radians since the last scan; nothing told of it.
+    const SE2 truth = orchard.TruePose(64);
+    const SE2 prediction = truth * SE2(0.3, 0.2, turn);
+    const std::vector<Eigen::Vector2f> points = Project(orchard, 65).points;
+    const SE2 seen_from = orchard.TruePose(65);
+    const TrackingResult found = wide.Track(points, prediction);
+    EXPECT_TRUE(found.searched_wide);
+    ASSERT_TRUE(IsUsable(found.match.verdict));
+    EXPECT_LT((found.match.pose.translation() - seen_from.translation()).norm(), 0.1);
+    EXPECT_LT(std::abs(AngleDifference(found.match.pose.theta(), seen_from.theta())), 0.02);
+    const TrackingResult lost = near.Track(points, prediction);
+    EXPECT_TRUE(!IsUsable(lost.match.verdict) ||
+                std::abs(AngleDifference(lost.match.pose.theta(), seen_from.theta())) > 1.0);
+    EXPECT_FALSE(lost.insert);
+  }
+}
+
+TEST(TrackerTest, ValidatesItsOptions) {
+  EXPECT_EQ(TrackerOptions().Validate(), "");
+  const auto rejects = [](auto change, const char* key) {
+    TrackerOptions options;
+    change(&options);
+    return options.Validate().find(key) != std::string::npos;
+  };
+  EXPECT_TRUE(rejects([](TrackerOptions* o) { o->near_translation = 0.0; }, "near_translation"));
+  EXPECT_TRUE(rejects([](TrackerOptions* o) { o->near_rotation = 4.0; }, "near_rotation"));
+  EXPECT_TRUE(rejects([](TrackerOptions* o) { o->wide_translation = 0.1; }, "wide_translation"));
+  EXPECT_TRUE(rejects([](TrackerOptions* o) { o->wide_rotation = 0.1; }, "wide_rotation"));
+  EXPECT_TRUE(rejects([](TrackerOptions* o) { o->rotation_step = 0.0; }, "rotation_step"));
+  EXPECT_TRUE(rejects([](TrackerOptions* o) { o->wide_score = 0.0; }, "wide_score"));
+  EXPECT_TRUE(rejects([](TrackerOptions* o) { o->max_insert_score = -1.0; }, "max_insert_score"));
+  EXPECT_TRUE(rejects([](TrackerOptions* o) { o->submap_length = 0.0; }, "submap_length"));
+  EXPECT_TRUE(rejects([](TrackerOptions* o) { o->rebuild_interval = 0; }, "rebuild_interval"));
+  EXPECT_TRUE(rejects([](TrackerOptions* o) { o->min_occupancy = 1.0; }, "min_occupancy"));
+  EXPECT_TRUE(rejects([](TrackerOptions* o) { o->keyframe_translation = -1.0; }, "keyframe_translation"));
+  EXPECT_TRUE(rejects([](TrackerOptions* o) { o->keyframe_rotation = -1.0; }, "keyframe_rotation"));
+  EXPECT_TRUE(rejects([](TrackerOptions* o) { o->keyframe_interval = -1.0; }, "keyframe_interval"));
+}
+
+}  // namespace
+}  // namespace arborslam
