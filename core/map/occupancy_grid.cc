@@ -67,14 +67,16 @@ void OccupancyGrid::Insert(const SE2& T_grid_base, const PlanarScan& scan) {
     const Eigen::Vector2d position = hit * inverse_cell - first;
     const int x = static_cast<int>(position.x());
     const int y = static_cast<int>(position.y());
-    Cell& cell = (*MakeTile(x, y))[IndexInTile(x, y)];
-    if (cell.hits < 0) {
-      cell.hits = static_cast<int32_t>(hits_.size());
+    Tile* tile = MakeTile(x, y);
+    uint32_t& entry = tile->hits[IndexInTile(x, y)];
+    if (entry == 0) {
       hits_.push_back({first_x_ + x, first_y_ + y, Eigen::Vector2f::Zero(), 0.0f});
+      entry = static_cast<uint32_t>(hits_.size());
     }
-    Hits& sum = hits_[static_cast<size_t>(cell.hits)];
+    Hits& sum = hits_[entry - 1];
     sum.sum += (options_.cell_size * (position - Eigen::Vector2d(x, y))).cast<float>();
     sum.count += 1.0f;
+    Cell& cell = tile->cells[IndexInTile(x, y)];
     if (cell.last_scan == scan_) continue;
     cell.last_scan = scan_;
     cell.log_odds = std::min(cell.log_odds + hit_log_odds_, max_log_odds_);
@@ -108,7 +110,7 @@ void OccupancyGrid::CastRay(const Eigen::Vector2d& from, const Eigen::Vector2d& 
   int tile_x = x >> kTileBits;
   int tile_y = y >> kTileBits;
   for (int i = 0; i < steps; ++i) {
-    Cell& cell = (*tile)[IndexInTile(x, y)];
+    Cell& cell = tile->cells[IndexInTile(x, y)];
     if (cell.last_scan != scan_) {
       cell.last_scan = scan_;
       cell.log_odds = std::max(cell.log_odds + miss_log_odds_, min_log_odds_);

@@ -59,12 +59,12 @@ class OccupancyGrid {
   /// Log-odds of the cell at column `x`, row `y`; 0 where nothing is known.
   float LogOdds(int x, int y) const {
     const Tile* tile = TileOf(x, y);
-    return tile == nullptr ? 0.0f : (*tile)[IndexInTile(x, y)].log_odds;
+    return tile == nullptr ? 0.0f : tile->cells[IndexInTile(x, y)].log_odds;
   }
   /// True if a ray ever met or passed the cell.
   bool IsKnown(int x, int y) const {
     const Tile* tile = TileOf(x, y);
-    return tile != nullptr && (*tile)[IndexInTile(x, y)].last_scan != 0;
+    return tile != nullptr && tile->cells[IndexInTile(x, y)].last_scan != 0;
   }
 
   /// Cells that were hit and whose log-odds are at least `min_log_odds`, in the order of their first hits.
@@ -74,7 +74,6 @@ class OccupancyGrid {
   struct Cell {
     float log_odds = 0.0f;
     uint32_t last_scan = 0;  // Number of the scan that last updated the cell, from 1 on.
-    int32_t hits = -1;       // Index into hits_, or -1.
   };
   // What is kept of a cell that was hit.
   struct Hits {
@@ -88,7 +87,11 @@ class OccupancyGrid {
   // has seen costs nothing.
   static constexpr int kTileBits = 6;
   static constexpr int kTileCells = 1 << kTileBits;
-  using Tile = std::array<Cell, static_cast<size_t>(kTileCells) * kTileCells>;
+  static constexpr size_t kTileArea = static_cast<size_t>(kTileCells) * kTileCells;
+  struct Tile {
+    std::array<Cell, kTileArea> cells;     // What rays pass: kept small, it is most of the work.
+    std::array<uint32_t, kTileArea> hits;  // Index into hits_ plus 1, or 0.
+  };
 
   static size_t IndexInTile(int x, int y) {
     return static_cast<size_t>(((y & (kTileCells - 1)) << kTileBits) | (x & (kTileCells - 1)));
