@@ -53,7 +53,8 @@ double CostOf(const std::vector<GraphEdge>& edges, const std::vector<Eigen::Vect
 
 class RobustSolver::Problem {
  public:
-  Problem(const std::vector<GraphEdge>& edges, std::vector<Eigen::Vector3d>* poses) : ceres(OwnNothing()) {
+  Problem(const std::vector<GraphEdge>& graph_edges, std::vector<Eigen::Vector3d>* poses)
+      : edges(graph_edges), ceres(OwnNothing()) {
     for (Eigen::Vector3d& pose : *poses) ceres.AddParameterBlock(pose.data(), 3);
     ceres.SetParameterBlockConstant(poses->front().data());
     for (const GraphEdge& edge : edges) {
@@ -62,6 +63,7 @@ class RobustSolver::Problem {
     }
   }
 
+  const std::vector<GraphEdge> edges;  // Keeps the factors alive.
   GemanMcClureLoss loss{1.0};
   ceres::Problem ceres;
 };

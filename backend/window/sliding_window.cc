@@ -5,10 +5,11 @@
 #include <ceres/solver.h>
 #include <glog/logging.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <utility>
 
 #include "backend/factors/marginal_prior_factor.h"
 #include "backend/factors/relative_pose_factor.h"
@@ -17,7 +18,7 @@ namespace arborslam {
 namespace {
 
 // Directions whose information is this much less than the greatest are taken to be unknown.
-constexpr double kNullRatio = 1e-12;
+constexpr double kNullRatio = 1e-13;
 
 using RowMajorJacobian = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
@@ -28,32 +29,38 @@ ceres::Problem::Options OwnNothing() {
   return options;
 }
 
-// The prior whose cost is half of d^T hessian d + gradient^T d, up to a constant, where d is the difference from
-// `linearisation_point`: hessian = J^T J and gradient = J^T offset, by Cholesky with pivots, P^T L D L^T P, up to the
-// rank of the hessian.
-MarginalPrior PriorOf(const Eigen::MatrixXd& hessian, const Eigen::VectorXd& gradient,
-                      std::vector<SE2> linearisation_point) {
-  const Eigen::LDLT<Eigen::MatrixXd> factored(hessian);
-  const Eigen::VectorXd pivots = factored.vectorD();
-  const double limit = kNullRatio * std::max(pivots.maxCoeff(), 0.0);
-  Eigen::Index rank = 0;
-  while (rank < pivots.size() && pivots(rank) > limit) ++rank;
-  const Eigen::VectorXd roots = pivots.head(rank).cwiseSqrt();
-  const Eigen::MatrixXd lower = factored.matrixL();
-  const Eigen::VectorXd pivoted_gradient = factored.transpositionsP() * gradient;
+// The prior whose cost is half of d^T hessian d, plus gradient^T d and a constant, where d is the difference from
+// `linearisation_point`: hessian = J^T J and gradient = J^T offset, by Cholesky with full diagonal pivoting up to the
+// rank of the hessian. (Eigen's LDLT takes pivots by the diagonal as it was, which does not reveal the rank.)
+MarginalPrior PriorOf(Eigen::MatrixXd hessian, Eigen::VectorXd gradient, std::vector<SE2> linearisation_point) {
   MarginalPrior prior;
   prior.linearisation_point = std::move(linearisation_point);
-  prior.jacobian = roots.asDiagonal() * (lower.leftCols(rank).transpose() * factored.transpositionsP());
-  prior.offset = roots.cwiseInverse().asDiagonal() *
-                 lower.topLeftCorner(rank, rank).triangularView<Eigen::UnitLower>().solve(pivoted_gradient.head(rank));
+  prior.jacobian.resize(hessian.rows(), hessian.cols());
+  prior.offset.resize(hessian.rows());
+  const double limit = kNullRatio * hessian.diagonal().maxCoeff();
+  Eigen::Index rank = 0;
+  for (; rank < hessian.rows(); ++rank) {
+    Eigen::Index pivot = 0;
+    const double value = hessian.diagonal().maxCoeff(&pivot);
+    if (!(value > limit)) break;
+    const Eigen::VectorXd row = hessian.col(pivot) / std::sqrt(value);
+    const double offset = gradient(pivot) / std::sqrt(value);
+    prior.jacobian.row(rank) = row.transpose();
+    prior.offset(rank) = offset;
+    hessian.noalias() -= row * row.transpose();
+    hessian(pivot, pivot) = 0.0;
+    gradient -= offset * row;
+  }
+  prior.jacobian.conservativeResize(rank, Eigen::NoChange);
+  prior.offset.conservativeResize(rank);
   return prior;
 }
 
 // The inverse of a positive semi-definite matrix, 0 in its null directions.
-Eigen::Matrix3d PseudoInverse(const Eigen::Matrix3d& matrix) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(matrix);
-  const double limit = kNullRatio * eigen.eigenvalues()(2);
-  const Eigen::Vector3d inverse_values =
+Eigen::MatrixXd PseudoInverse(const Eigen::MatrixXd& matrix) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(matrix);
+  const double limit = kNullRatio * eigen.eigenvalues().maxCoeff();
+  const Eigen::VectorXd inverse_values =
       eigen.eigenvalues().unaryExpr([limit](double value) { return value > limit ? 1.0 / value : 0.0; });
   return eigen.eigenvectors() * inverse_values.asDiagonal() * eigen.eigenvectors().transpose();
 }
@@ -179,12 +186,12 @@ Eigen::Matrix3d SlidingWindow::Covariance(NodeId id) const {
     if (!(node == id)) nodes.push_back(node);
   }
   const Quadratic quadratic = Linearize(nodes, factors_);
-  Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(quadratic.gradient.size(), 3);
+  const Eigen::MatrixXd columns = PseudoInverse(quadratic.hessian).leftCols<3>();
+  Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(columns.rows(), 3);
   unit.topRows<3>().setIdentity();
-  const Eigen::MatrixXd solution = Eigen::LDLT<Eigen::MatrixXd>(quadratic.hessian).solve(unit);
-  const bool is_determined = (quadratic.hessian * solution - unit).cwiseAbs().maxCoeff() < 1e-3;
+  const bool is_determined = (quadratic.hessian * columns - unit).cwiseAbs().maxCoeff() < 1e-3;
   if (!is_determined) return Eigen::Matrix3d::Constant(std::numeric_limits<double>::infinity());
-  return solution.topRows<3>();
+  return columns.topRows<3>();
 }
 
 }  // namespace arborslam
