@@ -79,7 +79,7 @@ Json Optimization(const PoseGraphSummary& summary) {
   return {{"initial_cost", summary.initial_cost},
           {"final_cost", summary.final_cost},
           {"iterations", summary.iterations},
-          {"loops_dropped", summary.num_loops_dropped}};
+          {"loops_dropped", summary.dropped_loops.size()}};
 }
 
 double PeakMemoryMib() {

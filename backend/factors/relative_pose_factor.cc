@@ -56,8 +56,8 @@ ceres::CostFunction* CreateRelativePoseFactor(const SE2& T_a_b, const Eigen::Mat
   return new RelativePoseFactor(T_a_b, SquareRoot(information));
 }
 
-Eigen::MatrixXd SquareRoot(const Eigen::MatrixXd& information) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(information);
+Eigen::Matrix3d SquareRoot(const Eigen::Matrix3d& information) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(information);
   return eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose();
 }
 

@@ -19,8 +19,8 @@ namespace arborslam {
 /// singular: its null directions cost nothing. The caller owns the result (a ceres::Problem takes it).
 ceres::CostFunction* CreateRelativePoseFactor(const SE2& T_a_b, const Eigen::Matrix3d& information);
 
-/// A square root S of a positive semi-definite matrix: S^T S = information.
-Eigen::MatrixXd SquareRoot(const Eigen::MatrixXd& information);
+/// A square root S of a positive semi-definite matrix: S^T S = information. Negative eigenvalues count as 0.
+Eigen::Matrix3d SquareRoot(const Eigen::Matrix3d& information);
 
 }  // namespace arborslam
 

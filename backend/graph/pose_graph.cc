@@ -1,21 +1,80 @@
 #include "backend/graph/pose_graph.h"
 
-#include <ceres/loss_function.h>
-#include <ceres/problem.h>
-#include <ceres/solver.h>
+#include <ceres/cost_function.h>
 #include <glog/logging.h>
 
-#include <Eigen/Core>
 #include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
 
 #include "backend/factors/relative_pose_factor.h"
+#include "backend/graph/robust_solver.h"
 #include "core/config/validation.h"
+#include "core/parallel.h"
 
 namespace arborslam {
+namespace {
+
+// Of the last solve, and of those on the way. Growing goes on while few loops at a time come to fit.
+constexpr double kFineTolerance = 1e-8;
+constexpr double kGrowingTolerance = 1e-5;
+constexpr double kShrinkingTolerance = 1e-3;
+constexpr int kCoarseIterations = 20;
+// How much growing widens the scale (from a quarter of the gate to the gate), and shrinking narrows it in one step.
+constexpr double kScaleRatio = 4.0;
+
+double LargestLoopError(const RobustSolver& solver, const std::vector<GraphEdge>& edges) {
+  double largest = 0.0;
+  for (const GraphEdge& edge : edges) {
+    if (edge.may_be_wrong) largest = std::max(largest, ErrorOf(edge, solver.poses()));
+  }
+  return largest;
+}
+
+void SolveGrowing(double gate, RobustSolver* solver) {
+  solver->Solve(gate / kScaleRatio, kCoarseIterations, kGrowingTolerance);
+  solver->Solve(gate, kCoarseIterations, kGrowingTolerance);
+}
+
+void SolveShrinking(double gate, const std::vector<GraphEdge>& edges, RobustSolver* solver) {
+  // At sqrt(2) times the largest error, the cost of all loops is nearly quadratic (Yang et al. 2020, remark 5).
+  double scale = std::sqrt(2.0) * LargestLoopError(*solver, edges);
+  while (scale > gate) {
+    solver->Solve(scale, 1, kShrinkingTolerance);
+    scale = std::min(scale / kScaleRatio, std::sqrt(2.0) * LargestLoopError(*solver, edges));
+  }
+  solver->Solve(gate, kCoarseIterations, kShrinkingTolerance);
+}
+
+// The lower of the two minima of `PoseGraph::Optimize`.
+struct RobustMinimum {
+  std::vector<Eigen::Vector3d> poses;
+  int iterations = 0;
+};
+
+RobustMinimum FindRobustMinimum(const std::vector<Eigen::Vector3d>& initial, const std::vector<GraphEdge>& edges,
+                                double gate, int num_threads) {
+  std::optional<RobustSolver> growing;
+  std::optional<RobustSolver> shrinking;
+  const auto grow = [&] { SolveGrowing(gate, &growing.emplace(initial, edges)); };
+  const auto shrink = [&] { SolveShrinking(gate, edges, &shrinking.emplace(initial, edges)); };
+  const auto all_fit = [&] { return LargestLoopError(*growing, edges) <= gate; };
+  if (num_threads < 2) {
+    grow();
+    if (!all_fit()) shrink();
+  } else {
+    ParallelFor(2, 2, [&](size_t i) { i == 0 ? grow() : shrink(); });
+  }
+  if (all_fit()) return {growing->poses(), growing->iterations()};
+  const RobustSolver& lower = shrinking->final_cost() < growing->final_cost() ? *shrinking : *growing;
+  return {lower.poses(), growing->iterations() + shrinking->iterations()};
+}
+
+}  // namespace
 
 std::string PoseGraphOptions::Validate() const {
   if (max_iterations < 1) return Violation("max_iterations", max_iterations, "be at least 1");
-  if (!(loop_loss_scale > 0.0)) return Violation("loop_loss_scale", loop_loss_scale, "be above 0");
   if (!(loop_gate > 0.0)) return Violation("loop_gate", loop_gate, "be above 0");
   return "";
 }
@@ -27,61 +86,64 @@ void PoseGraph::AddNode(NodeId id, const SE2& T_map_node) {
 void PoseGraph::AddConstraint(const Constraint& constraint) {
   CHECK(poses_.count(constraint.from) > 0 && poses_.count(constraint.to) > 0)
       << constraint.from << " to " << constraint.to;
+  CHECK(constraint.information.allFinite() && constraint.T_from_to.vector().allFinite())
+      << constraint.from << " to " << constraint.to << " is not finite";
   constraints_.push_back(constraint);
 }
 
 PoseGraphSummary PoseGraph::Optimize(const PoseGraphOptions& options, int num_threads) {
-  PoseGraphSummary summary = Solve(options, num_threads);
-  const auto agrees = [&](const Constraint& constraint) {
-    if (constraint.kind != Constraint::Kind::kLoop) return true;
-    const SE2 T_from_to = poses_.at(constraint.from).Inverse() * poses_.at(constraint.to);
-    const Eigen::Vector3d error = (constraint.T_from_to.Inverse() * T_from_to).vector();
-    return error.dot(constraint.information * error) <= options.loop_gate * options.loop_gate * 3.0;
-  };
-  const auto disagreeing = std::stable_partition(constraints_.begin(), constraints_.end(), agrees);
-  summary.num_loops_dropped = static_cast<int>(constraints_.end() - disagreeing);
-  if (summary.num_loops_dropped == 0) return summary;
-  constraints_.erase(disagreeing, constraints_.end());
-  const PoseGraphSummary again = Solve(options, num_threads);
-  summary.final_cost = again.final_cost;
-  summary.iterations += again.iterations;
-  return summary;
-}
-
-PoseGraphSummary PoseGraph::Solve(const PoseGraphOptions& options, int num_threads) {
-  PoseGraphSummary result;
-  if (poses_.empty()) return result;
-  std::map<NodeId, Eigen::Vector3d> blocks;
-  ceres::Problem problem;
+  PoseGraphSummary summary;
+  if (poses_.empty()) return summary;
+  // Ids sort keyframes first: the first keyframe is the first pose, which the solver holds.
+  std::vector<Eigen::Vector3d> poses;
+  std::map<NodeId, size_t> index;
   for (const auto& [id, pose] : poses_) {
-    Eigen::Vector3d& block = blocks[id] = pose.vector();
-    problem.AddParameterBlock(block.data(), 3);
+    index.emplace(id, poses.size());
+    poses.push_back(pose.vector());
   }
-  // Ids sort keyframes first: the first keyframe defines the map frame.
-  problem.SetParameterBlockConstant(blocks.begin()->second.data());
+  std::vector<GraphEdge> edges;
+  edges.reserve(constraints_.size());
+  bool has_loops = false;
   for (const Constraint& constraint : constraints_) {
-    ceres::LossFunction* loss =
-        constraint.kind == Constraint::Kind::kLoop ? new ceres::CauchyLoss(options.loop_loss_scale) : nullptr;
-    problem.AddResidualBlock(CreateRelativePoseFactor(constraint.T_from_to, constraint.information), loss,
-                             blocks.at(constraint.from).data(), blocks.at(constraint.to).data());
+    const bool is_loop = constraint.kind == Constraint::Kind::kLoop;
+    has_loops |= is_loop;
+    edges.push_back(
+        {index.at(constraint.from), index.at(constraint.to),
+         std::shared_ptr<ceres::CostFunction>(CreateRelativePoseFactor(constraint.T_from_to, constraint.information)),
+         is_loop});
   }
-  ceres::Solver::Options solver;
-  solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  solver.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
-  solver.max_num_iterations = options.max_iterations;
-  solver.num_threads = num_threads;
-  solver.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(solver, &problem, &summary);
-  result.initial_cost = summary.initial_cost;
-  result.final_cost = summary.final_cost;
-  result.iterations = static_cast<int>(summary.iterations.size());
-  if (!summary.IsSolutionUsable()) return result;
+
+  const std::vector<Eigen::Vector3d> initial = poses;
+  if (has_loops) {
+    RobustMinimum minimum = FindRobustMinimum(initial, edges, options.loop_gate, num_threads);
+    poses = std::move(minimum.poses);
+    summary.iterations = minimum.iterations;
+    std::vector<Constraint> kept_constraints;
+    std::vector<GraphEdge> kept_edges;
+    for (size_t i = 0; i < edges.size(); ++i) {
+      if (edges[i].may_be_wrong && ErrorOf(edges[i], poses) > options.loop_gate) {
+        summary.dropped_loops.push_back(constraints_[i]);
+      } else {
+        kept_constraints.push_back(constraints_[i]);
+        kept_edges.push_back(edges[i]);
+        kept_edges.back().may_be_wrong = false;
+      }
+    }
+    constraints_ = std::move(kept_constraints);
+    edges = std::move(kept_edges);
+  }
+
+  summary.initial_cost = CostOf(edges, initial);
+  RobustSolver last(poses, edges);
+  last.Solve(options.loop_gate, options.max_iterations, kFineTolerance);
+  summary.final_cost = last.final_cost();
+  summary.iterations += last.iterations();
+  auto solved = last.poses().begin();
   for (auto& [id, pose] : poses_) {
-    const Eigen::Vector3d& block = blocks.at(id);
-    pose = SE2(block.x(), block.y(), block.z());
+    pose = SE2(solved->x(), solved->y(), solved->z());
+    ++solved;
   }
-  return result;
+  return summary;
 }
 
 }  // namespace arborslam

@@ -12,26 +12,28 @@
 namespace arborslam {
 
 struct PoseGraphOptions {
-  int max_iterations = 50;
-  double loop_loss_scale = 3.0;  ///< [standard deviations], where a loop's cost turns from quadratic to logarithmic.
-  double loop_gate = 4.0;        ///< [standard deviations], a loop that errs by more after optimisation is dropped.
+  int max_iterations = 50;  ///< Of each solve to convergence.
+  /// [standard deviations], norm of a loop's weighted error (x, y and theta together) up to which it is taken to be
+  /// right. 99 % of right loops err by less than 3.4 if their covariances are true; real ones err by up to three times
+  /// what they claim. Wrong ones, a tree or a row away, err by hundreds.
+  double loop_gate = 10.0;
 
   std::string Validate() const;
 
   template <class Visitor>
   void VisitFields(Visitor&& visit) {
     visit("max_iterations", max_iterations);
-    visit("loop_loss_scale", loop_loss_scale);
     visit("loop_gate", loop_gate);
   }
 };
 
 /// How an optimisation went.
 struct PoseGraphSummary {
+  /// Half the sum of squared weighted errors of the constraints that are kept, at the poses as they were.
   double initial_cost = 0.0;
-  double final_cost = 0.0;
-  int iterations = 0;
-  int num_loops_dropped = 0;
+  double final_cost = 0.0;                ///< The same after optimisation.
+  int iterations = 0;                     ///< Of all solves together.
+  std::vector<Constraint> dropped_loops;  ///< In the order in which they were added.
 };
 
 /// All keyframes and submaps of a run and everything measured between them.
@@ -41,12 +43,23 @@ class PoseGraph {
   void AddNode(NodeId id, const SE2& T_map_node);
   /// Moves a node.
   void SetPose(NodeId id, const SE2& T_map_node) { poses_.at(id) = T_map_node; }
-  /// Adds a measurement between two nodes of the graph.
+  /// Adds a measurement between two nodes of the graph. Pose and information must be finite.
   void AddConstraint(const Constraint& constraint);
 
-  /// Moves all poses but the first keyframe's to the least squared error (sparse Cholesky of SuiteSparse). Loops, which
-  /// may be wrong, have a robust loss (Cauchy); then those that still disagree are dropped and the rest is solved
-  /// again.
+  /// Drops the loops that are wrong and moves all poses but the first keyframe's to the least squared error of all
+  /// other constraints (sparse Cholesky of SuiteSparse). Poses without a constraint stay where they are.
+  ///
+  /// To find out which loops are wrong, a constraint costs its squared weighted error r^2, a loop c^2 r^2 / (c^2 + r^2)
+  /// (Geman and McClure), c = `loop_gate`. This cost has many minima; two are sought, the lower one is taken, and the
+  /// loops that err by more than c there are dropped:
+  ///
+  /// - growing: c/4 comes first, so that only loops that fit the present poses closely count. Short loops correct the
+  ///   path before long ones are judged (much as dynamic covariance scaling does, Agarwal et al. 2013);
+  /// - shrinking: a great c comes first and all loops count, then ever fewer of those that disagree with the others
+  ///   (graduated non-convexity, Yang et al. 2020). So loops that agree with each other remove any drift. Left out when
+  ///   growing has accepted every loop.
+  ///
+  /// @param num_threads with two or more, both minima are sought at once; the result is the same bits.
   PoseGraphSummary Optimize(const PoseGraphOptions& options, int num_threads);
 
   const SE2& Pose(NodeId id) const { return poses_.at(id); }
@@ -54,8 +67,6 @@ class PoseGraph {
   const std::vector<Constraint>& constraints() const { return constraints_; }
 
  private:
-  PoseGraphSummary Solve(const PoseGraphOptions& options, int num_threads);
-
   std::map<NodeId, SE2> poses_;
   std::vector<Constraint> constraints_;
 };

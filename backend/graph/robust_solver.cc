@@ -1,0 +1,92 @@
+#include "backend/graph/robust_solver.h"
+
+#include <ceres/cost_function.h>
+#include <ceres/loss_function.h>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+#include <glog/logging.h>
+
+#include <cmath>
+
+namespace arborslam {
+namespace {
+
+class GemanMcClureLoss : public ceres::LossFunction {
+ public:
+  explicit GemanMcClureLoss(double scale) : squared_scale_(scale * scale) {}
+
+  void Evaluate(double squared_error, double rho[3]) const override {
+    // rho(r^2) = s^2 r^2 / (s^2 + r^2) and its derivatives by r^2.
+    const double sum = squared_scale_ + squared_error;
+    const double ratio = squared_scale_ / sum;
+    rho[0] = ratio * squared_error;
+    rho[1] = ratio * ratio;
+    rho[2] = -2.0 * ratio * ratio / sum;
+  }
+
+ private:
+  double squared_scale_;
+};
+
+ceres::Problem::Options OwnNothing() {
+  ceres::Problem::Options options;
+  options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.disable_all_safety_checks = true;
+  return options;
+}
+
+}  // namespace
+
+double ErrorOf(const GraphEdge& edge, const std::vector<Eigen::Vector3d>& poses) {
+  Eigen::Vector3d residuals;
+  const double* parameters[] = {poses[edge.from].data(), poses[edge.to].data()};
+  edge.factor->Evaluate(parameters, residuals.data(), nullptr);
+  return residuals.norm();
+}
+
+double CostOf(const std::vector<GraphEdge>& edges, const std::vector<Eigen::Vector3d>& poses) {
+  double sum = 0.0;
+  for (const GraphEdge& edge : edges) sum += std::pow(ErrorOf(edge, poses), 2);
+  return 0.5 * sum;
+}
+
+class RobustSolver::Problem {
+ public:
+  Problem(const std::vector<GraphEdge>& graph_edges, std::vector<Eigen::Vector3d>* poses)
+      : edges(graph_edges), ceres(OwnNothing()) {
+    for (Eigen::Vector3d& pose : *poses) ceres.AddParameterBlock(pose.data(), 3);
+    ceres.SetParameterBlockConstant(poses->front().data());
+    for (const GraphEdge& edge : edges) {
+      ceres.AddResidualBlock(edge.factor.get(), edge.may_be_wrong ? &loss : nullptr, (*poses)[edge.from].data(),
+                             (*poses)[edge.to].data());
+    }
+  }
+
+  const std::vector<GraphEdge> edges;  // Keeps the factors alive.
+  GemanMcClureLoss loss{1.0};
+  ceres::Problem ceres;
+};
+
+RobustSolver::RobustSolver(const std::vector<Eigen::Vector3d>& poses, const std::vector<GraphEdge>& edges)
+    : poses_(poses), problem_(std::make_unique<Problem>(edges, &poses_)) {}
+
+RobustSolver::~RobustSolver() = default;
+
+void RobustSolver::Solve(double scale, int max_iterations, double tolerance) {
+  problem_->loss = GemanMcClureLoss(scale);
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
+  options.max_num_iterations = max_iterations;
+  options.function_tolerance = tolerance;
+  options.logging_type = ceres::SILENT;
+  options.num_threads = 1;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem_->ceres, &summary);
+  LOG_IF(WARNING, summary.termination_type == ceres::FAILURE) << summary.message;
+  final_cost_ = summary.final_cost;
+  iterations_ += summary.num_successful_steps + summary.num_unsuccessful_steps;
+}
+
+}  // namespace arborslam

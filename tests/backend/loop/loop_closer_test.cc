@@ -1,0 +1,117 @@
+#include "backend/loop/loop_closer.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/backend/planar_posts.h"
+
+namespace arborslam {
+namespace {
+
+TEST(LoopOptions, ValuesOutOfRangeAreNamed) {
+  EXPECT_EQ(LoopOptions().Validate(), "");
+  LoopOptions options;
+  options.keyframe_stride = 0;
+  EXPECT_EQ(options.Validate().substr(0, 15), "keyframe_stride");
+  options = {};
+  options.candidate_radius = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(options.Validate().substr(0, 16), "candidate_radius");
+  options = {};
+  options.search_rotation = 4.0;
+  EXPECT_EQ(options.Validate().substr(0, 15), "search_rotation");
+}
+
+// There along a line and back along the same line, 1 m a keyframe; the submap is made of the first ten.
+class LoopCloserTest : public testing::Test {
+ protected:
+  LoopCloserTest() : run_(StrewnPosts(60, 40.0, 3), Path()), closer_(options_, {}, Matcher({}, {}, {}), 0.05) {
+    run_.AddSubmap(0, 9, OccupancyGridOptions());
+  }
+
+  static std::vector<SE2> Path() {
+    std::vector<SE2> path;
+    for (int i = 0; i < 20; ++i) path.emplace_back(i - 10.0, 0.0, 0.0);
+    for (int i = 0; i < 20; ++i) path.emplace_back(9.0 - i, 0.4, 3.0);
+    return path;
+  }
+
+  // The true graph, but for the way back, which has drifted by `drift`.
+  PoseGraph Graph(const SE2& drift) const {
+    PoseGraph graph;
+    for (size_t i = 0; i < run_.truth.size(); ++i) {
+      graph.AddNode(KeyframeId{static_cast<int>(i)}, i < 20 ? run_.truth[i] : run_.truth[i] * drift);
+    }
+    graph.AddNode(SubmapId{0}, run_.TruthOf(run_.submaps[0]));
+    return graph;
+  }
+
+  LoopOptions options_;
+  PostsRun run_;
+  LoopCloser closer_;
+};
+
+TEST_F(LoopCloserTest, FindsTheTruthInSpiteOfDrift) {
+  const PoseGraph graph = Graph(SE2(0.5, -0.6, 0.05));
+  const std::vector<LoopCandidate> candidates = closer_.FindAll(graph, run_.keyframes, run_.submaps, 1);
+  int num_accepted = 0;
+  for (const LoopCandidate& candidate : candidates) {
+    EXPECT_EQ(candidate.accepted, candidate.reason.empty());
+    EXPECT_GE(candidate.keyframe.value, 10) << "a member of the submap";
+    EXPECT_EQ(candidate.keyframe.value % options_.keyframe_stride, 0);
+    if (!candidate.accepted) continue;
+    ++num_accepted;
+    const SE2 truth = run_.truth[0].Inverse() * run_.truth[static_cast<size_t>(candidate.keyframe.value)];
+    EXPECT_TRUE(candidate.match.pose.IsApprox(truth, 0.03)) << candidate.match.pose << truth;
+  }
+  EXPECT_GE(num_accepted, 4);
+}
+
+TEST_F(LoopCloserTest, WhatIsFarOrKnownOrSpoiltIsNotTried) {
+  PoseGraph graph = Graph(SE2());
+  const std::vector<LoopCandidate> all = closer_.FindAll(graph, run_.keyframes, run_.submaps, 1);
+  ASSERT_GE(all.size(), 2u);
+  for (const LoopCandidate& candidate : all) {
+    const SE2& pose = graph.Pose(candidate.keyframe);
+    EXPECT_LE(pose.x(), -1.0 + options_.candidate_radius) << "the submap ends at -1 m";
+  }
+  graph.AddConstraint({SubmapId{0}, all[0].keyframe, SE2(), Eigen::Matrix3d::Identity(), Constraint::Kind::kSubmap});
+  const std::vector<LoopCandidate> fewer = closer_.FindAll(graph, run_.keyframes, run_.submaps, 1);
+  ASSERT_EQ(fewer.size(), all.size() - 1);
+  EXPECT_TRUE(fewer[0].keyframe == all[1].keyframe);
+  std::vector<Keyframe> spoilt = run_.keyframes;
+  for (Keyframe& keyframe : spoilt) keyframe = {keyframe.id, keyframe.scan, false};
+  EXPECT_TRUE(closer_.FindAll(graph, spoilt, run_.submaps, 1).empty());
+}
+
+TEST_F(LoopCloserTest, AnotherPlaceIsRefused) {
+  // The submap of another world: nothing of it is where the keyframes are.
+  PostsRun other(StrewnPosts(60, 40.0, 99), Path());
+  other.AddSubmap(0, 9, OccupancyGridOptions());
+  for (const LoopCandidate& candidate : closer_.FindAll(Graph(SE2()), run_.keyframes, other.submaps, 1)) {
+    EXPECT_FALSE(candidate.accepted) << candidate.keyframe.value << " at " << candidate.match.score;
+    EXPECT_FALSE(candidate.reason.empty());
+  }
+}
+
+TEST_F(LoopCloserTest, AnyNumberOfThreadsFindsTheSame) {
+  run_.AddSubmap(5, 14, OccupancyGridOptions());
+  PoseGraph graph = Graph(SE2(0.2, 0.1, 0.02));
+  graph.AddNode(SubmapId{1}, run_.TruthOf(run_.submaps[1]));
+  const std::vector<LoopCandidate> one = closer_.FindAll(graph, run_.keyframes, run_.submaps, 1);
+  const std::vector<LoopCandidate> three = closer_.FindAll(graph, run_.keyframes, run_.submaps, 3);
+  ASSERT_EQ(one.size(), three.size());
+  for (size_t i = 0; i < one.size(); ++i) {
+    EXPECT_TRUE(one[i].keyframe == three[i].keyframe && one[i].submap == three[i].submap);
+    EXPECT_EQ(one[i].match.pose.vector(), three[i].match.pose.vector());
+    EXPECT_EQ(one[i].reason, three[i].reason);
+  }
+}
+
+TEST_F(LoopCloserTest, NothingToCloseIsNoError) {
+  EXPECT_TRUE(closer_.FindAll(Graph(SE2()), run_.keyframes, {}, 2).empty());
+  EXPECT_TRUE(closer_.FindAll(PoseGraph(), {}, {}, 1).empty());
+}
+
+}  // namespace
+}  // namespace arborslam
