@@ -65,7 +65,7 @@ TEST(TrackerTest, TracksAnOrchardOnItsOwn) {
         EXPECT_TRUE(other.IsApprox(pose, 0.1));
       }
     }
-    EXPECT_LT((pose.translation() - truth.translation()).norm(), 0.4) << "scan " << i;
+    EXPECT_LT((pose.translation() - truth.translation()).norm(), 0.3) << "scan " << i;
     EXPECT_LT(std::abs(AngleDifference(pose.theta(), truth.theta())), 0.03) << "scan " << i;
     poses.push_back({scan.stamp, pose});
     tracker.Insert(KeyframeId{static_cast<int>(i)}, scan, pose);
