@@ -25,7 +25,7 @@ struct SearchWindow {
   double translation = 0.5;     ///< [m], half the edge of the box in x and in y.
   double rotation = 0.2;        ///< [rad], half the range of theta.
   double rotation_step = 0.01;  ///< [rad]
-  SearchPenalty penalty;
+  SearchPenalty penalty = SearchPenalty();
 };
 
 /// The penalty of `pose` for a search around `center` [m].

@@ -72,7 +72,9 @@ MatchResult Matcher::MatchBetter(const MatchTarget& target, const std::vector<Ei
   result.cost = options_.max_distance;
   if (result.num_points < options_.min_points || target.empty()) return result;
 
-  const std::vector<Eigen::Vector2f> sample = Subsample(points, options_.max_search_points);
+  // To compare modes takes a finer sample than to find one.
+  const std::vector<Eigen::Vector2f> sample =
+      Subsample(points, (check_uniqueness ? 2 : 1) * options_.max_search_points);
   const std::optional<SearchResult> found = BranchAndBound(target, sample, prediction, window, mhd_, max_cost);
   if (!found) {
     result.verdict = MatchVerdict::kPoor;

@@ -14,10 +14,11 @@
 namespace arborslam {
 
 struct MatcherOptions {
-  double max_distance = 0.2;    ///< [m], D_max: points farther from the map than this are outliers (paper: 2-4 cells).
-  int max_search_points = 100;  ///< The search uses about this many of a scan's points.
-  double max_score = 0.15;      ///< [m], a match whose MHD is above this is poor.
-  int min_points = 30;          ///< A scan with fewer points is not matched.
+  double max_distance = 0.2;  ///< [m], D_max: points farther from the map than this are outliers (paper: 2-4 cells).
+  int max_search_points =
+      100;                  ///< The search uses about this many of a scan's points, twice as many to judge uniqueness.
+  double max_score = 0.15;  ///< [m], a match whose MHD is above this is poor.
+  int min_points = 30;      ///< A scan with fewer points is not matched.
   double max_second_ratio = 0.7;  ///< A match is ambiguous when score / second mode's score exceeds this.
 
   std::string Validate() const;

@@ -111,14 +111,17 @@ TEST(MotionModelTest, EqualOrReversedStampsPredictTheLastPose) {
   }
 }
 
-TEST(MotionModelTest, ALongGapStretchesAStepByTheLimitOnly) {
+TEST(MotionModelTest, AStepIsStretchedOverAGapUpToTheLimit) {
   const SE2 previous;
   const SE2 last(0.3, 0.0, 0.0);
   for (const char* model : kModels) {
     MotionOptions options = WithModel(model);
-    EXPECT_TRUE(PredictPose({0.0, previous}, {1.0, last}, 1000.0, options).IsApprox(SE2(0.9, 0.0, 0.0), 1e-12));
+    options.max_extrapolation = 3.0;
+    EXPECT_TRUE(PredictPose({0.0, previous}, {1.0, last}, 3.5, options).IsApprox(SE2(1.05, 0.0, 0.0), 1e-12));
+    EXPECT_TRUE(PredictPose({0.0, previous}, {1.0, last}, 4.1, options).IsApprox(last, 1e-12))
+        << "whoever pauses that long has stopped";
     options.max_extrapolation = 0.0;
-    EXPECT_TRUE(PredictPose({0.0, previous}, {1.0, last}, 1000.0, options).IsApprox(last, 1e-12));
+    EXPECT_TRUE(PredictPose({0.0, previous}, {1.0, last}, 2.0, options).IsApprox(last, 1e-12));
   }
 }
 
