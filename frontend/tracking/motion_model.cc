@@ -23,7 +23,7 @@ SE2 PredictPose(const StampedPose& previous, const StampedPose& last, double sta
   const double last_step = last.stamp - previous.stamp;
   if (last_step <= 0.0) return last.pose;
   const double stretch = (stamp - last.stamp) / last_step;
-  if (stretch > options.max_extrapolation) return last.pose;
+  if (!(stretch >= 0.0 && stretch <= options.max_extrapolation)) return last.pose;
   if (options.model == "constant_velocity") {
     const Eigen::Vector2d translation =
         last.pose.translation() + stretch * (last.pose.translation() - previous.pose.translation());
