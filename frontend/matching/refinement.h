@@ -15,7 +15,7 @@ struct RefinementOptions {
   int max_iterations = 12;              ///< Gauss-Newton steps.
   double robust_scale = 0.05;           ///< [m], distance at which a point's weight has fallen to a half (Cauchy).
   double min_step = 3e-4;               ///< [m] and [rad / 10], a step shorter than this ends the iteration.
-  double min_information_ratio = 0.04;  ///< A direction that is known this much less well than the best is degenerate.
+  double min_information_ratio = 0.06;  ///< A direction that is known this much less well than the best is degenerate.
   double lever_arm = 5.0;               ///< [m], makes a turn comparable with a shift: typical distance of a trunk.
   /// [m], by how much points are moved to measure how firmly the map holds them: about a cell, and more than a match
   /// errs by.
