@@ -39,8 +39,8 @@ std::vector<SE2> Grid(const World& world) {
   return poses;
 }
 
-// The score of a pose by its definition, on quantised distances [m].
-double Score(const World& world, const DistanceField& field, const std::vector<uint8_t>& quantised, const SE2& pose) {
+// The cost of a pose by its definition, on quantised distances [m].
+double Cost(const World& world, const DistanceField& field, const std::vector<uint8_t>& quantised, const SE2& pose) {
   std::vector<int> steps;
   for (const Eigen::Vector2f& point : world.points) {
     const Eigen::Vector2d position = pose * point.cast<double>();
@@ -54,7 +54,10 @@ double Score(const World& world, const DistanceField& field, const std::vector<u
   const int k = ChooseK(static_cast<int>(near), static_cast<int>(steps.size()), world.mhd);
   double sum = 0.0;
   for (int i = 0; i < k; ++i) sum += steps[static_cast<size_t>(i)];
-  return sum / k * kMaxDistance / MinPyramid::kNumSteps;
+  const SE2 motion = world.center.Inverse() * pose;
+  return sum / k * kMaxDistance / MinPyramid::kNumSteps +
+         world.window.penalty.per_metre * std::hypot(motion.x(), motion.y()) +
+         world.window.penalty.per_radian * std::abs(motion.theta());
 }
 
 bool IsExcluded(const SE2& pose, const Exclusion& exclusion) {
@@ -63,7 +66,7 @@ bool IsExcluded(const SE2& pose, const Exclusion& exclusion) {
 }
 
 struct Exhaustive {
-  double score = std::numeric_limits<double>::infinity();
+  double cost = std::numeric_limits<double>::infinity();
   std::vector<SE2> poses;  // All that have it.
 };
 
@@ -72,9 +75,9 @@ Exhaustive SearchAll(const World& world, const MatchTarget& target, const std::o
   Exhaustive best;
   for (const SE2& pose : Grid(world)) {
     if (exclusion && IsExcluded(pose, *exclusion)) continue;
-    const double score = Score(world, target.field(), quantised, pose);
-    if (score < best.score - 1e-9) best = {score, {}};
-    if (score < best.score + 1e-9) best.poses.push_back(pose);
+    const double cost = Cost(world, target.field(), quantised, pose);
+    if (cost < best.cost - 1e-9) best = {cost, {}};
+    if (cost < best.cost + 1e-9) best.poses.push_back(pose);
   }
   return best;
 }
@@ -93,6 +96,7 @@ World RandomWorld(std::mt19937* random) {
     world.mhd.alpha_min = uniform(0.2, 1.0);
     world.mhd.alpha_max = uniform(world.mhd.alpha_min, 1.0);
   }
+  if (uniform(0.0, 1.0) < 0.5) world.window.penalty = {uniform(0.0, 0.2), uniform(0.0, 0.5)};
   const SE2 truth = world.center * SE2(uniform(-0.8, 0.8), uniform(-0.8, 0.8), uniform(-0.15, 0.15));
   const int num_points = std::uniform_int_distribution<int>(1, 25)(*random);
   for (int i = 0; i < num_points; ++i) {
@@ -128,12 +132,12 @@ World RandomWorld(std::mt19937* random) {
 void ExpectTheBest(const World& world, const MatchTarget& target, const std::optional<SearchResult>& found,
                    const Exhaustive& best) {
   ASSERT_TRUE(found.has_value());
-  EXPECT_NEAR(found->score, best.score, 1e-6);
+  EXPECT_NEAR(found->cost, best.cost, 1e-6);
   const bool is_one_of_them = std::any_of(best.poses.begin(), best.poses.end(),
                                           [&](const SE2& pose) { return pose.IsApprox(found->pose, 1e-6); });
-  EXPECT_TRUE(is_one_of_them) << best.poses.size() << " poses score best, but not " << found->pose;
+  EXPECT_TRUE(is_one_of_them) << best.poses.size() << " poses cost least, but not " << found->pose;
   const std::vector<uint8_t> quantised = target.field().Quantised(MinPyramid::kNumSteps);
-  EXPECT_NEAR(Score(world, target.field(), quantised, found->pose), found->score, 1e-6);
+  EXPECT_NEAR(Cost(world, target.field(), quantised, found->pose), found->cost, 1e-6);
 }
 
 TEST(BranchAndBoundTest, FindsWhatExhaustiveSearchFinds) {
@@ -147,7 +151,7 @@ TEST(BranchAndBoundTest, FindsWhatExhaustiveSearchFinds) {
     const MatchTarget target(world.cells, kCell, kMaxDistance);
     const Exhaustive best = SearchAll(world, target, std::nullopt);
     const auto found =
-        BranchAndBound(target, world.points, world.center, world.window, world.mhd, kMaxDistance + 0.1, std::nullopt);
+        BranchAndBound(target, world.points, world.center, world.window, world.mhd, kMaxDistance + 1.0, std::nullopt);
     ExpectTheBest(world, target, found, best);
     num_unique += best.poses.size() == 1;
     ++num_tried;
@@ -168,14 +172,14 @@ TEST(BranchAndBoundTest, FindsTheBestOutsideAnExclusion) {
     const Exclusion exclusion{all.poses.front(), 0.25, 0.05};
     const Exhaustive best = SearchAll(world, target, exclusion);
     const auto found =
-        BranchAndBound(target, world.points, world.center, world.window, world.mhd, kMaxDistance + 0.1, exclusion);
+        BranchAndBound(target, world.points, world.center, world.window, world.mhd, kMaxDistance + 1.0, exclusion);
     if (best.poses.empty()) {
       EXPECT_FALSE(found.has_value());
       continue;
     }
     ExpectTheBest(world, target, found, best);
     EXPECT_FALSE(IsExcluded(found->pose, exclusion));
-    num_moved += best.score > all.score;
+    num_moved += best.cost > all.cost;
   }
   EXPECT_GT(num_moved, 50);
 }
@@ -188,7 +192,7 @@ TEST(BranchAndBoundTest, AnExclusionOfTheWholeWindowLeavesNothing) {
                               Exclusion{world.center, 100.0, 4.0}));
 }
 
-TEST(BranchAndBoundTest, FindsNothingThatDoesNotBeatTheMaxScore) {
+TEST(BranchAndBoundTest, FindsNothingThatDoesNotBeatTheMaxCost) {
   std::mt19937 random(14);
   for (int trial = 0; trial < 100; ++trial) {
     SCOPED_TRACE(trial);
@@ -196,13 +200,13 @@ TEST(BranchAndBoundTest, FindsNothingThatDoesNotBeatTheMaxScore) {
     if (world.points.empty()) continue;
     const MatchTarget target(world.cells, kCell, kMaxDistance);
     const Exhaustive best = SearchAll(world, target, std::nullopt);
-    const auto search = [&](double max_score) {
-      return BranchAndBound(target, world.points, world.center, world.window, world.mhd, max_score);
+    const auto search = [&](double max_cost) {
+      return BranchAndBound(target, world.points, world.center, world.window, world.mhd, max_cost);
     };
-    EXPECT_FALSE(search(best.score - 1e-5));
-    const auto found = search(best.score + 1e-5);
+    EXPECT_FALSE(search(best.cost - 1e-5));
+    const auto found = search(best.cost + 1e-5);
     ASSERT_TRUE(found.has_value());
-    EXPECT_NEAR(found->score, best.score, 1e-6);
+    EXPECT_NEAR(found->cost, best.cost, 1e-6);
   }
 }
 
@@ -217,20 +221,33 @@ TEST(BranchAndBoundTest, EmptyPointsOrTargetGiveNothing) {
 
 TEST(BranchAndBoundTest, OnePointIsPutOnTheOnlyCell) {
   const MatchTarget target({{Eigen::Vector2f(1.05f, 2.05f), 1.0f}}, kCell, kMaxDistance);
-  const auto found =
-      BranchAndBound(target, {Eigen::Vector2f(0.74f, 2.36f)}, SE2(), SearchWindow{0.5, 0.0, 0.01}, MhdOptions(), 1.0);
+  const auto found = BranchAndBound(target, {Eigen::Vector2f(0.74f, 2.36f)}, SE2(), SearchWindow{0.5, 0.0, 0.01, {}},
+                                    MhdOptions(), 1.0);
   ASSERT_TRUE(found.has_value());
-  EXPECT_EQ(found->score, 0.0);
+  EXPECT_EQ(found->cost, 0.0);
   EXPECT_TRUE(found->pose.IsApprox(SE2(0.3, -0.3, 0.0), 1e-6)) << found->pose;
 }
 
 TEST(BranchAndBoundTest, AWindowOfOnePoseIsScored) {
   const MatchTarget target({{Eigen::Vector2f(1.05f, 2.05f), 1.0f}}, kCell, kMaxDistance);
   const SE2 center(0.3, -0.3, 0.0);
-  const auto found = BranchAndBound(target, {Eigen::Vector2f(0.74f, 2.36f)}, center, SearchWindow{0.01, 0.001, 0.01},
-                                    MhdOptions(), 1.0);
+  const auto found = BranchAndBound(target, {Eigen::Vector2f(0.74f, 2.36f)}, center,
+                                    SearchWindow{0.01, 0.001, 0.01, {}}, MhdOptions(), 1.0);
   ASSERT_TRUE(found.has_value());
   EXPECT_TRUE(found->pose.IsApprox(center));
+}
+
+TEST(BranchAndBoundTest, ThePenaltyDecidesBetweenEquals) {
+  // Two cells, one point between them, nearer to the second.
+  const MatchTarget target({{Eigen::Vector2f(1.05f, 0.05f), 1.0f}, {Eigen::Vector2f(-0.55f, 0.05f), 1.0f}}, kCell,
+                           kMaxDistance);
+  const std::vector<Eigen::Vector2f> point = {Eigen::Vector2f(0.05f, 0.05f)};
+  const auto found = BranchAndBound(target, point, SE2(), SearchWindow{1.2, 0.0, 0.01, {0.01, 0.0}}, MhdOptions(), 1.0);
+  ASSERT_TRUE(found.has_value());
+  EXPECT_TRUE(found->pose.IsApprox(SE2(-0.6, 0.0, 0.0), 1e-6)) << found->pose;
+  EXPECT_NEAR(found->cost, 0.006, 1e-6);
+  EXPECT_NEAR(PenaltyOf(SE2(3.0, 4.0, 0.0), SE2(), {0.1, 1.0}), 0.5, 1e-12);
+  EXPECT_NEAR(PenaltyOf(SE2(0.0, 0.0, 3.1), SE2(0.0, 0.0, -3.1), {0.1, 1.0}), 2.0 * kPi - 6.2, 1e-9);
 }
 
 TEST(BranchAndBoundTest, ScoresFarFewerThanAllPoses) {
@@ -242,7 +259,7 @@ TEST(BranchAndBoundTest, ScoresFarFewerThanAllPoses) {
     world.cells.push_back({world.points.back(), 1.0f});
   }
   const MatchTarget target(world.cells, kCell, kMaxDistance);
-  world.window = {2.0, 0.5, 0.02};
+  world.window = {2.0, 0.5, 0.02, {}};
   const SE2 truth(0.7, -0.4, 0.2);
   const auto found = BranchAndBound(target, world.points, truth, world.window, world.mhd, kMaxDistance);
   ASSERT_TRUE(found.has_value());

@@ -53,7 +53,7 @@ TEST(TrackerTest, TracksAnOrchardOnItsOwn) {
     if (i > 0) {
       const SE2 prediction =
           i == 1 ? poses.back().pose : PredictPose(poses[i - 2], poses[i - 1], scan.stamp, MotionOptions());
-      const TrackingResult result = tracker.Track(scan.points, prediction);
+      const TrackingResult result = tracker.Track(scan.points, poses.back().pose, prediction);
       ASSERT_TRUE(IsUsable(result.match.verdict)) << "scan " << i << ": " << ToString(result.match.verdict);
       ASSERT_FALSE(result.measurements.empty());
       pose = result.match.pose;
@@ -82,7 +82,8 @@ TEST(TrackerTest, MeasuresInBothSubmapsWhereTheyOverlap) {
   Build(orchard, 0, 30, &tracker);
   ASSERT_EQ(tracker.ActiveSubmaps().size(), 2u);
   const SE2 truth = orchard.TruePose(30);
-  const TrackingResult result = tracker.Track(Project(orchard, 30).points, truth * SE2(0.1, -0.1, 0.03));
+  const TrackingResult result =
+      tracker.Track(Project(orchard, 30).points, orchard.TruePose(29), truth * SE2(0.1, -0.1, 0.03));
   ASSERT_EQ(result.measurements.size(), 2u);
   EXPECT_TRUE(result.insert);
   EXPECT_FALSE(result.searched_wide);
@@ -97,7 +98,7 @@ TEST(TrackerTest, MeasuresInBothSubmapsWhereTheyOverlap) {
 TEST(TrackerTest, WithoutSubmapsThereIsNothingToMatch) {
   Tracker tracker = MakeTracker(TrackerOptions());
   const SE2 prediction(1.0, 2.0, 0.3);
-  const TrackingResult result = tracker.Track({Eigen::Vector2f(1.0f, 0.0f)}, prediction);
+  const TrackingResult result = tracker.Track({Eigen::Vector2f(1.0f, 0.0f)}, SE2(), prediction);
   EXPECT_EQ(result.match.verdict, MatchVerdict::kTooFewPoints);
   EXPECT_TRUE(result.match.pose.IsApprox(prediction));
   EXPECT_TRUE(result.measurements.empty());
@@ -110,7 +111,7 @@ TEST(TrackerTest, AnEmptyScanIsNotMatched) {
   Tracker tracker = MakeTracker(TrackerOptions());
   Build(orchard, 0, 10, &tracker);
   const SE2 prediction = orchard.TruePose(10);
-  const TrackingResult result = tracker.Track({}, prediction);
+  const TrackingResult result = tracker.Track({}, orchard.TruePose(9), prediction);
   EXPECT_EQ(result.match.verdict, MatchVerdict::kTooFewPoints);
   EXPECT_TRUE(result.match.pose.IsApprox(prediction));
   EXPECT_FALSE(result.searched_wide);
@@ -177,7 +178,7 @@ TEST(TrackerTest, MatchesFollowASubmapThatIsMoved) {
   const SE2 correction(0.7, -0.2, 0.3);
   tracker.SetSubmapPose(id, correction * tracker.SubmapPose(id));
   const SE2 moved_truth = correction * orchard.TruePose(20);
-  const TrackingResult result = tracker.Track(Project(orchard, 20).points, moved_truth);
+  const TrackingResult result = tracker.Track(Project(orchard, 20).points, moved_truth, moved_truth);
   ASSERT_TRUE(IsUsable(result.match.verdict));
   EXPECT_LT((result.match.pose.translation() - moved_truth.translation()).norm(), 0.06);
   EXPECT_LT(std::abs(AngleDifference(result.match.pose.theta(), moved_truth.theta())), 0.01);
@@ -212,7 +213,8 @@ TEST(TrackerTest, SpoiltScansAreKeptOutOfTheMaps) {
   for (size_t i = 0; i < 90; ++i) {
     const PlanarScan scan = Project(orchard, i);
     if (i >= 20) {
-      const TrackingResult result = tracker.Track(scan.points, orchard.TruePose(i) * SE2(0.05, 0.05, 0.02));
+      const TrackingResult result =
+          tracker.Track(scan.points, orchard.TruePose(i - 1), orchard.TruePose(i) * SE2(0.05, 0.05, 0.02));
       ++(orchard.IsSpoilt(i) ? num_spoilt : num_clean);
       if (result.insert) ++(orchard.IsSpoilt(i) ? num_spoilt_inserted : num_clean_inserted);
       EXPECT_TRUE(!result.insert || IsUsable(result.match.verdict));
@@ -242,16 +244,48 @@ TEST(TrackerTest, TheWideSearchFindsAPoseAfterAHeadlandTurn) {
     const SE2 prediction = truth * SE2(0.3, 0.2, turn);
     const std::vector<Eigen::Vector2f> points = Project(orchard, 65).points;
     const SE2 seen_from = orchard.TruePose(65);
-    const TrackingResult found = wide.Track(points, prediction);
+    const TrackingResult found = wide.Track(points, prediction, prediction);
     EXPECT_TRUE(found.searched_wide);
     ASSERT_TRUE(IsUsable(found.match.verdict));
     EXPECT_LT((found.match.pose.translation() - seen_from.translation()).norm(), 0.1);
     EXPECT_LT(std::abs(AngleDifference(found.match.pose.theta(), seen_from.theta())), 0.02);
-    const TrackingResult lost = near.Track(points, prediction);
+    const TrackingResult lost = near.Track(points, prediction, prediction);
     EXPECT_TRUE(!IsUsable(lost.match.verdict) ||
                 std::abs(AngleDifference(lost.match.pose.theta(), seen_from.theta())) > 1.0);
     EXPECT_FALSE(lost.insert);
   }
+}
+
+TEST(TrackerTest, TheWideSearchIsAroundTheLastPose) {
+  const PlanarOrchard orchard(WithSeed(3, 0.0));
+  Tracker tracker = MakeTracker(TrackerOptions());
+  Build(orchard, 40, 25, &tracker);
+  const SE2 truth = orchard.TruePose(65);
+  // The prediction has run away, farther than the wide search reaches; the last pose is right.
+  const TrackingResult found =
+      tracker.Track(Project(orchard, 65).points, orchard.TruePose(64), truth * SE2(3.0, 0.8, 0.7));
+  EXPECT_TRUE(found.searched_wide);
+  ASSERT_TRUE(IsUsable(found.match.verdict));
+  EXPECT_LT((found.match.pose.translation() - truth.translation()).norm(), 0.1);
+}
+
+TEST(TrackerTest, ALostTrackerLooksFartherWithEveryScan) {
+  const PlanarOrchard orchard(WithSeed(3, 0.0));
+  Tracker tracker = MakeTracker(TrackerOptions());
+  Build(orchard, 40, 25, &tracker);
+  const SE2 truth = orchard.TruePose(65);
+  const std::vector<Eigen::Vector2f> points = Project(orchard, 65).points;
+  // Two metres off and turned: outside the first wide search, within the third.
+  const SE2 wrong = truth * SE2(0.4, 2.2, 0.8);
+  int num_tries = 0;
+  TrackingResult result;
+  do {
+    result = tracker.Track(points, wrong, wrong);
+    ++num_tries;
+  } while (!IsUsable(result.match.verdict) && num_tries < 5);
+  ASSERT_TRUE(IsUsable(result.match.verdict));
+  EXPECT_GT(num_tries, 1);
+  EXPECT_LT((result.match.pose.translation() - truth.translation()).norm(), 0.1);
 }
 
 TEST(TrackerTest, ValidatesItsOptions) {
@@ -265,7 +299,10 @@ TEST(TrackerTest, ValidatesItsOptions) {
   EXPECT_TRUE(rejects([](TrackerOptions* o) { o->near_rotation = 4.0; }, "near_rotation"));
   EXPECT_TRUE(rejects([](TrackerOptions* o) { o->wide_translation = 0.1; }, "wide_translation"));
   EXPECT_TRUE(rejects([](TrackerOptions* o) { o->wide_rotation = 0.1; }, "wide_rotation"));
-  EXPECT_TRUE(rejects([](TrackerOptions* o) { o->rotation_step = 0.0; }, "rotation_step"));
+  EXPECT_TRUE(rejects([](TrackerOptions* o) { o->near_rotation_step = 0.0; }, "near_rotation_step"));
+  EXPECT_TRUE(rejects([](TrackerOptions* o) { o->wide_rotation_step = 1.0; }, "wide_rotation_step"));
+  EXPECT_TRUE(rejects([](TrackerOptions* o) { o->translation_penalty = -1.0; }, "translation_penalty"));
+  EXPECT_TRUE(rejects([](TrackerOptions* o) { o->rotation_penalty = -1.0; }, "rotation_penalty"));
   EXPECT_TRUE(rejects([](TrackerOptions* o) { o->wide_score = 0.0; }, "wide_score"));
   EXPECT_TRUE(rejects([](TrackerOptions* o) { o->max_insert_score = -1.0; }, "max_insert_score"));
   EXPECT_TRUE(rejects([](TrackerOptions* o) { o->submap_length = 0.0; }, "submap_length"));
