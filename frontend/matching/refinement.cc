@@ -152,13 +152,16 @@ class Refiner {
 
   void FindDegenerate(const SE2& pose, RefinementResult* result) const {
     const Eigen::Vector3d to_metres(1.0, 1.0, 1.0 / options_.lever_arm);
+    const Eigen::Matrix3d jacobian = ToBase(pose).transpose() * to_metres.asDiagonal();
+    const Eigen::Matrix3d fixed = jacobian.transpose() * Accumulate().hessian * jacobian;
+    const Eigen::Vector3d strength = fixed.selfadjointView<Eigen::Lower>().eigenvalues();
+    const double fixed_limit = kMaxFixedRatio * strength.maxCoeff();
+    if (strength.minCoeff() > fixed_limit) return;
+
     const Eigen::Matrix3d slope = ForceSlope(target_, points_, pose, mhd_options_,
                                              {options_.robust_scale, kDegeneracySteps * options_.covariance_step});
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(to_metres.asDiagonal() * slope * to_metres.asDiagonal());
     const double limit = options_.min_information_ratio * eigen.eigenvalues()(2);
-    const Eigen::Matrix3d jacobian = ToBase(pose).transpose() * to_metres.asDiagonal();
-    const Eigen::Matrix3d fixed = jacobian.transpose() * Accumulate().hessian * jacobian;
-    const double fixed_limit = kMaxFixedRatio * fixed.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();
     for (int i = 0; i < 3 && eigen.eigenvalues()(i) <= limit; ++i) {
       const Eigen::Vector3d direction = eigen.eigenvectors().col(i);
       if (direction.dot(fixed * direction) > fixed_limit) continue;

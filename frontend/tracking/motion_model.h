@@ -29,7 +29,7 @@ struct MotionOptions {
   }
 };
 
-/// The pose at `stamp` [s] after the poses at `previous` and `last` (previous.stamp < last.stamp <= stamp).
+/// The pose at `stamp` [s] after the poses at `previous` and `last`; the last one where the stamps do not rise.
 SE2 PredictPose(const StampedPose& previous, const StampedPose& last, double stamp, const MotionOptions& options);
 
 /// The information (x, y, theta) [1/m^2, 1/rad^2] of a predicted step.

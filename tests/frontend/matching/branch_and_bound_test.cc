@@ -54,10 +54,10 @@ double Cost(const World& world, const DistanceField& field, const std::vector<ui
   const int k = ChooseK(static_cast<int>(near), static_cast<int>(steps.size()), world.mhd);
   double sum = 0.0;
   for (int i = 0; i < k; ++i) sum += steps[static_cast<size_t>(i)];
-  const double distance = (pose.translation() - world.center.translation()).norm();
-  const double turn = std::abs(AngleDifference(pose.theta(), world.center.theta()));
-  return sum / k * kMaxDistance / MinPyramid::kNumSteps + world.window.penalty.per_metre * distance +
-         world.window.penalty.per_radian * turn;
+  const SE2 motion = world.center.Inverse() * pose;
+  return sum / k * kMaxDistance / MinPyramid::kNumSteps +
+         world.window.penalty.per_metre * std::hypot(motion.x(), motion.y()) +
+         world.window.penalty.per_radian * std::abs(motion.theta());
 }
 
 bool IsExcluded(const SE2& pose, const Exclusion& exclusion) {
@@ -96,7 +96,7 @@ World RandomWorld(std::mt19937* random) {
     world.mhd.alpha_min = uniform(0.2, 1.0);
     world.mhd.alpha_max = uniform(world.mhd.alpha_min, 1.0);
   }
-  if (uniform(0.0, 1.0) < 0.5) world.window.penalty = {uniform(0.0, 0.3), uniform(0.0, 1.0)};
+  if (uniform(0.0, 1.0) < 0.5) world.window.penalty = {uniform(0.0, 0.2), uniform(0.0, 0.5)};
   const SE2 truth = world.center * SE2(uniform(-0.8, 0.8), uniform(-0.8, 0.8), uniform(-0.15, 0.15));
   const int num_points = std::uniform_int_distribution<int>(1, 25)(*random);
   for (int i = 0; i < num_points; ++i) {
@@ -150,7 +150,8 @@ TEST(BranchAndBoundTest, FindsWhatExhaustiveSearchFinds) {
     if (world.points.empty()) continue;
     const MatchTarget target(world.cells, kCell, kMaxDistance);
     const Exhaustive best = SearchAll(world, target, std::nullopt);
-    const auto found = BranchAndBound(target, world.points, world.center, world.window, world.mhd, 10.0, std::nullopt);
+    const auto found =
+        BranchAndBound(target, world.points, world.center, world.window, world.mhd, kMaxDistance + 1.0, std::nullopt);
     ExpectTheBest(world, target, found, best);
     num_unique += best.poses.size() == 1;
     ++num_tried;
@@ -170,7 +171,8 @@ TEST(BranchAndBoundTest, FindsTheBestOutsideAnExclusion) {
     const Exhaustive all = SearchAll(world, target, std::nullopt);
     const Exclusion exclusion{all.poses.front(), 0.25, 0.05};
     const Exhaustive best = SearchAll(world, target, exclusion);
-    const auto found = BranchAndBound(target, world.points, world.center, world.window, world.mhd, 10.0, exclusion);
+    const auto found =
+        BranchAndBound(target, world.points, world.center, world.window, world.mhd, kMaxDistance + 1.0, exclusion);
     if (best.poses.empty()) {
       EXPECT_FALSE(found.has_value());
       continue;
@@ -219,8 +221,8 @@ TEST(BranchAndBoundTest, EmptyPointsOrTargetGiveNothing) {
 
 TEST(BranchAndBoundTest, OnePointIsPutOnTheOnlyCell) {
   const MatchTarget target({{Eigen::Vector2f(1.05f, 2.05f), 1.0f}}, kCell, kMaxDistance);
-  const auto found =
-      BranchAndBound(target, {Eigen::Vector2f(0.74f, 2.36f)}, SE2(), SearchWindow{0.5, 0.0, 0.01}, MhdOptions(), 1.0);
+  const auto found = BranchAndBound(target, {Eigen::Vector2f(0.74f, 2.36f)}, SE2(), SearchWindow{0.5, 0.0, 0.01, {}},
+                                    MhdOptions(), 1.0);
   ASSERT_TRUE(found.has_value());
   EXPECT_EQ(found->cost, 0.0);
   EXPECT_TRUE(found->pose.IsApprox(SE2(0.3, -0.3, 0.0), 1e-6)) << found->pose;
@@ -229,10 +231,23 @@ TEST(BranchAndBoundTest, OnePointIsPutOnTheOnlyCell) {
 TEST(BranchAndBoundTest, AWindowOfOnePoseIsScored) {
   const MatchTarget target({{Eigen::Vector2f(1.05f, 2.05f), 1.0f}}, kCell, kMaxDistance);
   const SE2 center(0.3, -0.3, 0.0);
-  const auto found = BranchAndBound(target, {Eigen::Vector2f(0.74f, 2.36f)}, center, SearchWindow{0.01, 0.001, 0.01},
-                                    MhdOptions(), 1.0);
+  const auto found = BranchAndBound(target, {Eigen::Vector2f(0.74f, 2.36f)}, center,
+                                    SearchWindow{0.01, 0.001, 0.01, {}}, MhdOptions(), 1.0);
   ASSERT_TRUE(found.has_value());
   EXPECT_TRUE(found->pose.IsApprox(center));
+}
+
+TEST(BranchAndBoundTest, ThePenaltyDecidesBetweenEquals) {
+  // Two cells, one point between them, nearer to the second.
+  const MatchTarget target({{Eigen::Vector2f(1.05f, 0.05f), 1.0f}, {Eigen::Vector2f(-0.55f, 0.05f), 1.0f}}, kCell,
+                           kMaxDistance);
+  const std::vector<Eigen::Vector2f> point = {Eigen::Vector2f(0.05f, 0.05f)};
+  const auto found = BranchAndBound(target, point, SE2(), SearchWindow{1.2, 0.0, 0.01, {0.01, 0.0}}, MhdOptions(), 1.0);
+  ASSERT_TRUE(found.has_value());
+  EXPECT_TRUE(found->pose.IsApprox(SE2(-0.6, 0.0, 0.0), 1e-6)) << found->pose;
+  EXPECT_NEAR(found->cost, 0.006, 1e-6);
+  EXPECT_NEAR(PenaltyOf(SE2(3.0, 4.0, 0.0), SE2(), {0.1, 1.0}), 0.5, 1e-12);
+  EXPECT_NEAR(PenaltyOf(SE2(0.0, 0.0, 3.1), SE2(0.0, 0.0, -3.1), {0.1, 1.0}), 2.0 * kPi - 6.2, 1e-9);
 }
 
 TEST(BranchAndBoundTest, ScoresFarFewerThanAllPoses) {
@@ -244,7 +259,7 @@ TEST(BranchAndBoundTest, ScoresFarFewerThanAllPoses) {
     world.cells.push_back({world.points.back(), 1.0f});
   }
   const MatchTarget target(world.cells, kCell, kMaxDistance);
-  world.window = {2.0, 0.5, 0.02};
+  world.window = {2.0, 0.5, 0.02, {}};
   const SE2 truth(0.7, -0.4, 0.2);
   const auto found = BranchAndBound(target, world.points, truth, world.window, world.mhd, kMaxDistance);
   ASSERT_TRUE(found.has_value());

@@ -11,7 +11,7 @@
 namespace arborslam {
 namespace {
 
-const SearchWindow kNear{0.5, 0.2, 0.01};
+const SearchWindow kNear{0.5, 0.2, 0.01, {}};
 
 Matcher DefaultMatcher() { return Matcher(MatcherOptions(), MhdOptions(), RefinementOptions()); }
 
@@ -104,21 +104,23 @@ TEST(MatcherTest, AnExactlyRepeatingGridIsAmbiguous) {
   const MatchTarget target = TargetOf(MapOf(orchard, index - 30, 61, index));
   const std::vector<Eigen::Vector2f> points = PointsOf(orchard, index);
   const SE2 truth = orchard.TruePose(index);
-  const SearchWindow beyond_a_tree{2.3, 0.1, 0.01};
+  const SearchWindow beyond_a_tree{2.3, 0.1, 0.01, {}};
   const MatchResult match = DefaultMatcher().Match(target, points, truth, beyond_a_tree, /*check_uniqueness=*/true);
   EXPECT_EQ(match.verdict, MatchVerdict::kAmbiguous);
   EXPECT_FALSE(IsUsable(match.verdict));
   // Whether the question is asked, and whether the window holds the next tree, decides.
   EXPECT_EQ(DefaultMatcher().Match(target, points, truth, beyond_a_tree).verdict, MatchVerdict::kAccepted);
-  EXPECT_EQ(DefaultMatcher().Match(target, points, truth, SearchWindow{0.8, 0.1, 0.01}, true).verdict,
+  EXPECT_EQ(DefaultMatcher().Match(target, points, truth, SearchWindow{0.8, 0.1, 0.01, {}}, true).verdict,
             MatchVerdict::kAccepted);
 }
 
 TEST(MatcherTest, AnIrregularOrchardIsNotAmbiguous) {
-  const PlanarOrchard orchard(CleanOptions());
+  PlanarOrchardOptions options = CleanOptions();
+  options.position_jitter = 0.6;
+  const PlanarOrchard orchard(options);
   const MatchTarget target = TargetOf(MapOf(orchard, 30, 41, 50));
   const MatchResult match = DefaultMatcher().Match(target, PointsOf(orchard, 50), orchard.TruePose(50),
-                                                   SearchWindow{2.3, 0.1, 0.01}, /*check_uniqueness=*/true);
+                                                   SearchWindow{2.3, 0.1, 0.01, {}}, /*check_uniqueness=*/true);
   EXPECT_EQ(match.verdict, MatchVerdict::kAccepted);
 }
 
@@ -160,6 +162,17 @@ TEST(MatcherTest, TheSearchUsesAShareOfManyPoints) {
       Matcher(options, MhdOptions(), RefinementOptions()).Match(target, points, truth * SE2(0.3, 0.3, 0.1), kNear);
   EXPECT_EQ(match.verdict, MatchVerdict::kAccepted);
   EXPECT_LT((match.pose.translation() - truth.translation()).norm(), 0.06);
+}
+
+TEST(MatcherTest, CostIsScoreAndPenalty) {
+  const PlanarOrchard orchard(CleanOptions());
+  const MatchTarget target = TargetOf(MapOf(orchard, 30, 21, 40));
+  const SE2 prediction = orchard.TruePose(40) * SE2(0.2, 0.1, 0.05);
+  const SearchWindow window{0.5, 0.2, 0.01, {0.05, 0.02}};
+  const MatchResult match = DefaultMatcher().Match(target, PointsOf(orchard, 40), prediction, window);
+  EXPECT_EQ(match.verdict, MatchVerdict::kAccepted);
+  EXPECT_NEAR(match.cost, match.score + PenaltyOf(match.pose, prediction, window.penalty), 1e-12);
+  EXPECT_GT(match.cost, match.score + 0.008);
 }
 
 TEST(MatcherTest, VerdictsHaveNames) {

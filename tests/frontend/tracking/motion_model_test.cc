@@ -111,18 +111,26 @@ TEST(MotionModelTest, EqualOrReversedStampsPredictTheLastPose) {
   }
 }
 
-TEST(MotionModelTest, AStepIsStretchedOverAGapUpToTheLimit) {
+TEST(MotionModelTest, AfterALongGapTheRobotStandsWhereItWas) {
   const SE2 previous;
   const SE2 last(0.3, 0.0, 0.0);
   for (const char* model : kModels) {
     MotionOptions options = WithModel(model);
     options.max_extrapolation = 3.0;
-    EXPECT_TRUE(PredictPose({0.0, previous}, {1.0, last}, 3.5, options).IsApprox(SE2(1.05, 0.0, 0.0), 1e-12));
-    EXPECT_TRUE(PredictPose({0.0, previous}, {1.0, last}, 4.1, options).IsApprox(last, 1e-12))
-        << "whoever pauses that long has stopped";
+    EXPECT_TRUE(PredictPose({0.0, previous}, {1.0, last}, 4.0, options).IsApprox(SE2(1.2, 0.0, 0.0), 1e-12));
+    EXPECT_TRUE(PredictPose({0.0, previous}, {1.0, last}, 4.01, options).IsApprox(last, 1e-12));
+    EXPECT_TRUE(PredictPose({0.0, previous}, {1.0, last}, 1000.0, options).IsApprox(last, 1e-12));
     options.max_extrapolation = 0.0;
     EXPECT_TRUE(PredictPose({0.0, previous}, {1.0, last}, 2.0, options).IsApprox(last, 1e-12));
   }
+}
+
+TEST(MotionModelTest, InformationIsThatOfTheSigmas) {
+  MotionOptions options;
+  options.translation_sigma = 0.5;
+  options.rotation_sigma = 0.1;
+  const Eigen::Matrix3d expected = Eigen::Vector3d(4.0, 4.0, 100.0).asDiagonal();
+  EXPECT_TRUE(MotionInformation(options).isApprox(expected, 1e-12));
 }
 
 TEST(MotionModelTest, ValidatesItsOptions) {

@@ -178,8 +178,7 @@ TEST(TrackerTest, MatchesFollowASubmapThatIsMoved) {
   const SE2 correction(0.7, -0.2, 0.3);
   tracker.SetSubmapPose(id, correction * tracker.SubmapPose(id));
   const SE2 moved_truth = correction * orchard.TruePose(20);
-  const TrackingResult result =
-      tracker.Track(Project(orchard, 20).points, correction * orchard.TruePose(19), moved_truth);
+  const TrackingResult result = tracker.Track(Project(orchard, 20).points, moved_truth, moved_truth);
   ASSERT_TRUE(IsUsable(result.match.verdict));
   EXPECT_LT((result.match.pose.translation() - moved_truth.translation()).norm(), 0.06);
   EXPECT_LT(std::abs(AngleDifference(result.match.pose.theta(), moved_truth.theta())), 0.01);
@@ -257,6 +256,38 @@ TEST(TrackerTest, TheWideSearchFindsAPoseAfterAHeadlandTurn) {
   }
 }
 
+TEST(TrackerTest, TheWideSearchIsAroundTheLastPose) {
+  const PlanarOrchard orchard(WithSeed(3, 0.0));
+  Tracker tracker = MakeTracker(TrackerOptions());
+  Build(orchard, 40, 25, &tracker);
+  const SE2 truth = orchard.TruePose(65);
+  // The prediction has run away, farther than the wide search reaches; the last pose is right.
+  const TrackingResult found =
+      tracker.Track(Project(orchard, 65).points, orchard.TruePose(64), truth * SE2(3.0, 0.8, 0.7));
+  EXPECT_TRUE(found.searched_wide);
+  ASSERT_TRUE(IsUsable(found.match.verdict));
+  EXPECT_LT((found.match.pose.translation() - truth.translation()).norm(), 0.1);
+}
+
+TEST(TrackerTest, ALostTrackerLooksFartherWithEveryScan) {
+  const PlanarOrchard orchard(WithSeed(3, 0.0));
+  Tracker tracker = MakeTracker(TrackerOptions());
+  Build(orchard, 40, 25, &tracker);
+  const SE2 truth = orchard.TruePose(65);
+  const std::vector<Eigen::Vector2f> points = Project(orchard, 65).points;
+  // Two metres off and turned: outside the first wide search, within the third.
+  const SE2 wrong = truth * SE2(0.4, 2.2, 0.8);
+  int num_tries = 0;
+  TrackingResult result;
+  do {
+    result = tracker.Track(points, wrong, wrong);
+    ++num_tries;
+  } while (!IsUsable(result.match.verdict) && num_tries < 5);
+  ASSERT_TRUE(IsUsable(result.match.verdict));
+  EXPECT_GT(num_tries, 1);
+  EXPECT_LT((result.match.pose.translation() - truth.translation()).norm(), 0.1);
+}
+
 TEST(TrackerTest, ValidatesItsOptions) {
   EXPECT_EQ(TrackerOptions().Validate(), "");
   const auto rejects = [](auto change, const char* key) {
@@ -269,6 +300,9 @@ TEST(TrackerTest, ValidatesItsOptions) {
   EXPECT_TRUE(rejects([](TrackerOptions* o) { o->wide_translation = 0.1; }, "wide_translation"));
   EXPECT_TRUE(rejects([](TrackerOptions* o) { o->wide_rotation = 0.1; }, "wide_rotation"));
   EXPECT_TRUE(rejects([](TrackerOptions* o) { o->near_rotation_step = 0.0; }, "near_rotation_step"));
+  EXPECT_TRUE(rejects([](TrackerOptions* o) { o->wide_rotation_step = 1.0; }, "wide_rotation_step"));
+  EXPECT_TRUE(rejects([](TrackerOptions* o) { o->translation_penalty = -1.0; }, "translation_penalty"));
+  EXPECT_TRUE(rejects([](TrackerOptions* o) { o->rotation_penalty = -1.0; }, "rotation_penalty"));
   EXPECT_TRUE(rejects([](TrackerOptions* o) { o->wide_score = 0.0; }, "wide_score"));
   EXPECT_TRUE(rejects([](TrackerOptions* o) { o->max_insert_score = -1.0; }, "max_insert_score"));
   EXPECT_TRUE(rejects([](TrackerOptions* o) { o->submap_length = 0.0; }, "submap_length"));
