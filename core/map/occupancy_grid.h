@@ -18,7 +18,7 @@ struct OccupancyGridOptions {
   double cell_size = 0.05;        ///< [m], edge of a cell.
   double hit_probability = 0.7;   ///< P(occupied | the cell was hit), in (0.5, 1). The paper's public code has 0.8.
   double miss_probability = 0.4;  ///< P(occupied | a ray passed), in (0, 0.5). The paper's public code has 0.2.
-  double miss_range = 10.0;       ///< [m], rays count as misses this far: farther out they lie more than a cell apart.
+  double miss_range = 8.0;        ///< [m], rays count as misses this far: farther out they lie more than a cell apart.
   double min_probability = 0.12;  ///< Log-odds are clamped here from below, so that a cell can be won back.
   double max_probability = 0.97;  ///< Log-odds are clamped here from above, so that a cell can be lost again.
 
