@@ -46,7 +46,13 @@ class LoopCloserTest : public testing::Test {
     return graph;
   }
 
-  LoopOptions options_;
+  static LoopOptions EveryFourth() {
+    LoopOptions options;
+    options.keyframe_stride = 4;
+    return options;
+  }
+
+  const LoopOptions options_ = EveryFourth();
   PostsRun run_;
   LoopCloser closer_;
 };
