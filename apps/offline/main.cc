@@ -3,12 +3,13 @@
 #include <gflags/gflags.h>
 
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <filesystem>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <system_error>
 #include <thread>
@@ -54,7 +55,7 @@ and options give the same results, bit by bit, for any number of threads.
   --set SECTION.KEY=VALUE ...
                          one option each, after the file's
   --ground_truth FILE    TUM file or .npz with gnss_rotated_c; reported against, never used
-  --threads N            for loop closure and optimisation (default: all cores)
+  --threads N            for loop closure and optimisation (default, and at most: all cores)
   --odometry_only        close no loops: trajectory.tum is what the sliding window left
   --max_scans N          stop after N scans
   --quiet                print errors only
@@ -62,15 +63,24 @@ and options give the same results, bit by bit, for any number of threads.
 
 Writes trajectory.tum (optimised pose of every scan used), odometry.tum (the causal estimate, as known when the scan came),
 map.pgm + map.yaml (ROS map_server), map.png, graph.g2o, summary.json (counts, rejected scans with reasons, loops, times,
-memory, errors) and effective_config.yaml. A pose's stamp is the middle of its sweep. Ctrl-C ends the run early and keeps
-what there is (exit code 130).
+memory, errors) and effective_config.yaml. A pose's stamp is the middle of its sweep. Ctrl-C ends the reading early and
+keeps what there is (exit code 130), a second one ends the program at once.
 )";
 
-// Exit code after an interruption, as shells have it for SIGINT.
-constexpr int kExitInterrupted = 130;
+// After an interruption the exit code is this and the signal's number, as shells have it.
+constexpr int kExitSignalled = 128;
 
-// Set by the signal handler; a handler can reach nothing else.
-volatile std::sig_atomic_t g_is_interrupted = 0;
+constexpr std::array<const char*, 8> kResultFiles = {
+    "trajectory.tum", "odometry.tum", "map.yaml",     "map.pgm",
+    "map.png",        "graph.g2o",    "summary.json", "effective_config.yaml"};
+
+// The signal that asks for an early end, or 0. A handler can reach nothing else.
+volatile std::sig_atomic_t g_signal = 0;
+
+void OnSignal(int signal) {
+  g_signal = signal;
+  std::signal(signal, SIG_DFL);
+}
 
 void CheckFlags() {
   if (FLAGS_input.empty()) throw UsageError("--input PATH is missing; see --help");
@@ -83,8 +93,10 @@ void CheckFlags() {
   }
 }
 
+// More threads than the machine has are of no use, and Ceres complains about them.
 int NumThreads() {
-  return FLAGS_threads > 0 ? FLAGS_threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const int available = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  return FLAGS_threads > 0 ? std::min(FLAGS_threads, available) : available;
 }
 
 // The output folder, made and proved to be writable before hours of work.
@@ -96,6 +108,15 @@ std::filesystem::path PrepareOutput() {
     const std::string reason = error ? " (" + error.message() + ")" : "";
     throw UserError(FLAGS_output, "cannot be made a folder" + reason, "choose another --output");
   }
+  for (const char* name : kResultFiles) {
+    const std::filesystem::path result = folder / name;
+    for (const std::string& input : {FLAGS_input, FLAGS_ground_truth}) {
+      if (!input.empty() && std::filesystem::equivalent(input, result, error)) {
+        throw UserError(input, "would be overwritten by the result of that name", "choose another --output");
+      }
+    }
+    AtomicFile writable(result.string());
+  }
   return folder;
 }
 
@@ -104,8 +125,7 @@ void Track(ScanSource* source, Slam* slam, RunRecord* record, Trajectory* odomet
   std::optional<size_t> total = source->NumScans();
   if (total && FLAGS_max_scans > 0) total = std::min(*total, static_cast<size_t>(FLAGS_max_scans));
   ProgressBar progress(std::cerr, total, StderrIsTerminal() && !FLAGS_quiet);
-  while (g_is_interrupted == 0 &&
-         (FLAGS_max_scans == 0 || record->scans.size() < static_cast<size_t>(FLAGS_max_scans))) {
+  while (g_signal == 0 && (FLAGS_max_scans == 0 || record->scans.size() < static_cast<size_t>(FLAGS_max_scans))) {
     const std::optional<LaserScan> scan = source->Next();
     if (!scan) break;
     record->scans.push_back(slam->AddScan(*scan));
@@ -113,7 +133,7 @@ void Track(ScanSource* source, Slam* slam, RunRecord* record, Trajectory* odomet
     if (result.status != ScanStatus::kSkipped) odometry->push_back({result.stamp, result.T_odom_base});
     progress.Update(record->scans.size());
   }
-  record->is_interrupted = g_is_interrupted != 0;
+  record->is_interrupted = g_signal != 0;
 }
 
 void RequireKeyframes(const Slam& slam, const RunRecord& record) {
@@ -133,6 +153,21 @@ TrajectoryEvaluation Evaluate(const Trajectory& estimate, const Trajectory3& ref
   return EvaluateTrajectory(pairs.pairs, pairs.has_headings, AlignmentKind::kSe2);
 }
 
+// Fills the record's errors. Returns what is wrong with the reference, or "": a run is not to be lost for it.
+std::string EvaluateRun(const Trajectory& trajectory, const Trajectory& odometry, const Trajectory3& reference,
+                        RunRecord* record) {
+  try {
+    RunErrors errors;
+    errors.trajectory = Evaluate(trajectory, reference, &errors.unmatched_poses);
+    errors.odometry = Evaluate(odometry, reference, &errors.unmatched_poses);
+    record->errors = std::move(errors);
+    return "";
+  } catch (const UserError& error) {
+    record->notices.push_back(std::string("No errors against the ground truth: ") + error.what() + ".");
+    return error.what();
+  }
+}
+
 // The graph for other programs: keyframes keep their numbers, submaps follow them.
 PoseGraph2 ToG2o(const Slam& slam) {
   const int num_keyframes = static_cast<int>(slam.keyframes().size());
@@ -150,6 +185,19 @@ PoseGraph2 ToG2o(const Slam& slam) {
   return graph;
 }
 
+void WriteResults(const std::filesystem::path& folder, const Slam& slam, const Trajectory& odometry,
+                  const RunRecord& record, const std::string& effective_config) {
+  const Trajectory trajectory = slam.OptimizedTrajectory();
+  const GridImage map = ToGridImage(slam.BuildMap());
+  WriteTum((folder / "trajectory.tum").string(), trajectory);
+  WriteTum((folder / "odometry.tum").string(), odometry);
+  WriteMapServer((folder / "map.yaml").string(), map);
+  WritePng((folder / "map.png").string(), DrawMap(map, trajectory));
+  WriteG2o((folder / "graph.g2o").string(), ToG2o(slam));
+  WriteFileAtomically((folder / "effective_config.yaml").string(), effective_config);
+  WriteFileAtomically((folder / "summary.json").string(), SummaryJson(record));
+}
+
 int Run(const MultiFlags& multi_flags) {
   CheckFlags();
   SlamOptions options;
@@ -163,7 +211,6 @@ int Run(const MultiFlags& multi_flags) {
   if (!FLAGS_ground_truth.empty()) reference = ReadTrajectory(FLAGS_ground_truth);
   const std::unique_ptr<ScanSource> source = OpenScanSource(FLAGS_input);
   const std::filesystem::path folder = PrepareOutput();
-  WriteFileAtomically((folder / "effective_config.yaml").string(), schema.ToYaml());
 
   RunRecord record;
   record.input = FLAGS_input;
@@ -174,8 +221,8 @@ int Run(const MultiFlags& multi_flags) {
     for (const std::string& notice : record.notices) std::cerr << "note: " << notice << "\n";
   }
 
-  std::signal(SIGINT, [](int) { g_is_interrupted = 1; });
-  std::signal(SIGTERM, [](int) { g_is_interrupted = 1; });
+  std::signal(SIGINT, &OnSignal);
+  std::signal(SIGTERM, &OnSignal);
   Stopwatch stopwatch;
   Slam slam(options, record.num_threads);
   Trajectory odometry;
@@ -184,25 +231,24 @@ int Run(const MultiFlags& multi_flags) {
   record.finish = slam.Finish(FLAGS_odometry_only);
   record.num_submaps = slam.submaps().size();
   record.wall_seconds = stopwatch.Lap() / 1000.0;
+  std::string reference_problem;
+  if (reference) reference_problem = EvaluateRun(slam.OptimizedTrajectory(), odometry, *reference, &record);
 
-  const Trajectory trajectory = slam.OptimizedTrajectory();
-  if (reference) {
-    record.errors.emplace();
-    record.errors->trajectory = Evaluate(trajectory, *reference, &record.errors->unmatched_poses);
-    record.errors->odometry = Evaluate(odometry, *reference, &record.errors->unmatched_poses);
+  // Writing takes moments, and an end amid them would leave temporary files.
+  std::signal(SIGINT, SIG_IGN);
+  std::signal(SIGTERM, SIG_IGN);
+  WriteResults(folder, slam, odometry, record, schema.ToYaml());
+  if (!FLAGS_quiet) std::cout << SummaryText(record) << "results in " << folder.string() << "\n" << std::flush;
+  if (record.is_interrupted) {
+    std::cerr << "arborslam_offline: interrupted after " << record.scans.size() << " scans; the results in "
+              << folder.string() << " cover these\n";
+    return kExitSignalled + g_signal;
   }
-  const GridImage map = ToGridImage(slam.BuildMap());
-  WriteTum((folder / "trajectory.tum").string(), trajectory);
-  WriteTum((folder / "odometry.tum").string(), odometry);
-  WriteMapServer((folder / "map.yaml").string(), map);
-  WritePng((folder / "map.png").string(), DrawMap(map, trajectory));
-  WriteG2o((folder / "graph.g2o").string(), ToG2o(slam));
-  WriteFileAtomically((folder / "summary.json").string(), SummaryJson(record));
-  if (!FLAGS_quiet) std::cout << SummaryText(record) << "results in " << folder.string() << "\n";
-  if (!record.is_interrupted) return kExitSuccess;
-  std::cerr << "arborslam_offline: interrupted after " << record.scans.size() << " scans; the results in "
-            << folder.string() << " cover these\n";
-  return kExitInterrupted;
+  if (!reference_problem.empty()) {
+    throw std::runtime_error(reference_problem + " (the results in " + folder.string() +
+                             " are complete but for the errors; arborslam_evaluate can still compare them)");
+  }
+  return kExitSuccess;
 }
 
 }  // namespace
