@@ -126,14 +126,13 @@ PoseGraphSummary PoseGraph::Optimize(const PoseGraphOptions& options, int num_th
       } else {
         kept_constraints.push_back(constraints_[i]);
         kept_edges.push_back(edges[i]);
-        kept_edges.back().may_be_wrong = false;
       }
     }
     constraints_ = std::move(kept_constraints);
     edges = std::move(kept_edges);
   }
 
-  summary.initial_cost = CostOf(edges, initial);
+  summary.initial_cost = CostOf(edges, initial, options.loop_gate);
   RobustSolver last(poses, edges);
   last.Solve(options.loop_gate, options.max_iterations, kFineTolerance);
   summary.final_cost = last.final_cost();
