@@ -29,10 +29,9 @@ struct PoseGraphOptions {
 
 /// How an optimisation went.
 struct PoseGraphSummary {
-  /// Half the sum of squared weighted errors of the constraints that are kept, at the poses as they were.
-  double initial_cost = 0.0;
-  double final_cost = 0.0;                ///< The same after optimisation.
-  int iterations = 0;                     ///< Of all solves together.
+  double initial_cost = 0.0;  ///< Of the constraints that are kept, at the poses as they were.
+  double final_cost = 0.0;    ///< Of the same after optimisation: half of their costs, see `PoseGraph::Optimize`.
+  int iterations = 0;         ///< Of all solves together.
   std::vector<Constraint> dropped_loops;  ///< In the order in which they were added.
 };
 
@@ -46,12 +45,12 @@ class PoseGraph {
   /// Adds a measurement between two nodes of the graph. Pose and information must be finite.
   void AddConstraint(const Constraint& constraint);
 
-  /// Drops the loops that are wrong and moves all poses but the first keyframe's to the least squared error of all
-  /// other constraints (sparse Cholesky of SuiteSparse). Poses without a constraint stay where they are.
+  /// Drops the loops that are wrong and moves all poses but the first keyframe's to the least cost of all other
+  /// constraints (sparse Cholesky of SuiteSparse). Poses without a constraint stay where they are.
   ///
-  /// To find out which loops are wrong, a constraint costs its squared weighted error r^2, a loop c^2 r^2 / (c^2 + r^2)
-  /// (Geman and McClure), c = `loop_gate`. This cost has many minima; two are sought, the lower one is taken, and the
-  /// loops that err by more than c there are dropped:
+  /// A constraint costs its squared weighted error r^2; a loop, which may be wrong, costs c^2 r^2 / (c^2 + r^2) (Geman
+  /// and McClure), c = `loop_gate`. This cost has many minima. Two are sought, the lower one is taken, loops that err
+  /// by more than c there are dropped, and the rest is solved to convergence:
   ///
   /// - growing: c/4 comes first, so that only loops that fit the present poses closely count. Short loops correct the
   ///   path before long ones are judged (much as dynamic covariance scaling does, Agarwal et al. 2013);

@@ -7,6 +7,8 @@
 #include <glog/logging.h>
 
 #include <cmath>
+#include <limits>
+#include <string>
 
 namespace arborslam {
 namespace {
@@ -45,9 +47,15 @@ double ErrorOf(const GraphEdge& edge, const std::vector<Eigen::Vector3d>& poses)
   return residuals.norm();
 }
 
-double CostOf(const std::vector<GraphEdge>& edges, const std::vector<Eigen::Vector3d>& poses) {
+double CostOf(const std::vector<GraphEdge>& edges, const std::vector<Eigen::Vector3d>& poses, double scale) {
+  const GemanMcClureLoss loss(scale);
   double sum = 0.0;
-  for (const GraphEdge& edge : edges) sum += std::pow(ErrorOf(edge, poses), 2);
+  for (const GraphEdge& edge : edges) {
+    const double squared_error = std::pow(ErrorOf(edge, poses), 2);
+    double rho[3] = {squared_error, 1.0, 0.0};
+    if (edge.may_be_wrong) loss.Evaluate(squared_error, rho);
+    sum += rho[0];
+  }
   return 0.5 * sum;
 }
 
@@ -82,10 +90,12 @@ void RobustSolver::Solve(double scale, int max_iterations, double tolerance) {
   options.function_tolerance = tolerance;
   options.logging_type = ceres::SILENT;
   options.num_threads = 1;
+  std::string error;
+  CHECK(options.IsValid(&error)) << error;  // Ceres may have been built without SuiteSparse.
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem_->ceres, &summary);
-  LOG_IF(WARNING, summary.termination_type == ceres::FAILURE) << summary.message;
-  final_cost_ = summary.final_cost;
+  LOG_IF(WARNING, !summary.IsSolutionUsable()) << summary.message;
+  final_cost_ = summary.IsSolutionUsable() ? summary.final_cost : std::numeric_limits<double>::infinity();
   iterations_ += summary.num_successful_steps + summary.num_unsuccessful_steps;
 }
 

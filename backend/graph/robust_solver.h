@@ -22,8 +22,8 @@ struct GraphEdge {
 /// The norm r of an edge's weighted error [standard deviations] at `poses` (x, y, theta [m, m, rad]).
 double ErrorOf(const GraphEdge& edge, const std::vector<Eigen::Vector3d>& poses);
 
-/// Half the sum of all squared errors r^2.
-double CostOf(const std::vector<GraphEdge>& edges, const std::vector<Eigen::Vector3d>& poses);
+/// Half the sum of all squared errors r^2, where edges that may be wrong count s^2 r^2 / (s^2 + r^2), s = `scale`.
+double CostOf(const std::vector<GraphEdge>& edges, const std::vector<Eigen::Vector3d>& poses, double scale);
 
 /// Poses under optimisation (Ceres, sparse Cholesky of SuiteSparse, one thread: Ceres adds costs up in the order in
 /// which its threads finish, so that more would change the last bits). The first pose is held.
@@ -33,12 +33,11 @@ class RobustSolver {
   RobustSolver(const std::vector<Eigen::Vector3d>& poses, const std::vector<GraphEdge>& edges);
   ~RobustSolver();
 
-  /// Goes towards the least cost, half the sum of squared errors r^2, where edges that may be wrong count
-  /// s^2 r^2 / (s^2 + r^2), s = `scale`. Stops when a step lessens the cost by a smaller share than `tolerance`.
+  /// Goes towards the least `CostOf` at `scale`. Stops when a step lessens it by a smaller share than `tolerance`.
   void Solve(double scale, int max_iterations, double tolerance);
 
   const std::vector<Eigen::Vector3d>& poses() const { return poses_; }
-  double final_cost() const { return final_cost_; }  ///< After the last `Solve`.
+  double final_cost() const { return final_cost_; }  ///< After the last `Solve`; infinite if it failed.
   int iterations() const { return iterations_; }     ///< Of all calls of `Solve`.
 
  private:

@@ -19,7 +19,7 @@ TEST(RobustSolver, ErrorsAndCostsAreInStandardDeviations) {
   const std::vector<Eigen::Vector3d> poses{Eigen::Vector3d::Zero(), Eigen::Vector3d(1.0, 4.0, 0.0)};
   EXPECT_DOUBLE_EQ(ErrorOf(edges[0], poses), 4.0);
   EXPECT_DOUBLE_EQ(ErrorOf(edges[1], poses), 5.0);
-  EXPECT_DOUBLE_EQ(CostOf(edges, poses), 0.5 * (16.0 + 25.0));
+  EXPECT_DOUBLE_EQ(CostOf(edges, poses, 5.0), 0.5 * (16.0 + 12.5));
 }
 
 TEST(RobustSolver, FindsTheMinimumOfTheRobustCost) {
@@ -32,11 +32,12 @@ TEST(RobustSolver, FindsTheMinimumOfTheRobustCost) {
     };
     double best = 0.0;
     for (double x = 0.0; x <= d / 2.0; x += 1e-4) best = cost(x) < cost(best) ? x : best;
-    RobustSolver solver(std::vector<Eigen::Vector3d>(2, Eigen::Vector3d::Zero()),
-                        {EdgeAlongX(0, 1, 0.0, false), EdgeAlongX(0, 1, d, true)});
+    const std::vector<GraphEdge> edges{EdgeAlongX(0, 1, 0.0, false), EdgeAlongX(0, 1, d, true)};
+    RobustSolver solver(std::vector<Eigen::Vector3d>(2, Eigen::Vector3d::Zero()), edges);
     solver.Solve(scale, 100, 1e-12);
     EXPECT_NEAR(solver.poses()[1].x(), best, 1e-3) << scale;
     EXPECT_NEAR(solver.final_cost(), cost(best), 1e-6) << scale;
+    EXPECT_NEAR(CostOf(edges, solver.poses(), scale), solver.final_cost(), 1e-9) << scale;
   }
 }
 
