@@ -21,7 +21,7 @@ Slam::Slam(const SlamOptions& options, int num_threads)
     : options_(options),
       num_threads_(num_threads),
       matcher_(options.matcher, options.mhd, options.refinement),
-      tracker_(options.tracker, options.grid, options.matcher.max_distance, options.mhd, matcher_) {
+      tracker_(options.tracker, options.grid, options.matcher.max_distance, matcher_) {
   CHECK_GE(num_threads, 1);
 }
 

@@ -43,13 +43,6 @@ Eigen::Vector2d OccupancyGrid::origin() const {
   return Eigen::Vector2d(static_cast<double>(first_x_), static_cast<double>(first_y_)) * options_.cell_size;
 }
 
-bool OccupancyGrid::IsKnownAt(const Eigen::Vector2d& point) const {
-  const Eigen::Vector2d cell = (point / options_.cell_size).array().floor().matrix() -
-                               Eigen::Vector2d(static_cast<double>(first_x_), static_cast<double>(first_y_));
-  if (!(cell.minCoeff() >= 0.0 && cell.x() < width() && cell.y() < height())) return false;
-  return IsKnown(static_cast<int>(cell.x()), static_cast<int>(cell.y()));
-}
-
 void OccupancyGrid::Insert(const SE2& T_grid_base, const PlanarScan& scan) {
   const double inverse_cell = 1.0 / options_.cell_size;
   Eigen::Vector2d low = T_grid_base.translation();

@@ -67,9 +67,6 @@ class OccupancyGrid {
     return tile != nullptr && tile->cells[IndexInTile(x, y)].last_scan != 0;
   }
 
-  /// The same for the cell in which `point` [m] lies, anywhere in the plane.
-  bool IsKnownAt(const Eigen::Vector2d& point) const;
-
   /// Cells that were hit and whose log-odds are at least `min_log_odds`, in the order of their first hits.
   std::vector<OccupiedCell> OccupiedCells(float min_log_odds) const;
 

@@ -59,12 +59,11 @@ std::string TrackerOptions::Validate() const {
 }
 
 Tracker::Tracker(const TrackerOptions& options, const OccupancyGridOptions& grid, double max_distance,
-                 const MhdOptions& mhd, const Matcher& matcher)
+                 const Matcher& matcher)
     : options_(options),
       grid_options_(grid),
       min_log_odds_(static_cast<float>(LogOddsOf(options.min_occupancy))),
       max_distance_(max_distance),
-      mhd_(mhd),
       matcher_(matcher) {}
 
 TrackingResult Tracker::Track(const std::vector<Eigen::Vector2f>& points, const SE2& last_pose, const SE2& prediction) {
@@ -95,18 +94,11 @@ TrackingResult Tracker::Track(const std::vector<Eigen::Vector2f>& points, const 
     if (wide_match.cost < match.cost) match = wide_match;
   }
   const SE2 T_submap_base = match.pose;
-  // At the edge of the map a clean scan scores badly, too, for all the new ground it sees.
-  const double known_score = match.score <= options_.max_insert_score
-                                 ? match.score
-                                 : ScoreOnKnownGround(points, T_submap_base, older);
-  if (match.verdict == MatchVerdict::kPoor && known_score <= options_.max_insert_score) {
-    match.verdict = match.num_degenerate > 0 ? MatchVerdict::kDegenerate : MatchVerdict::kAccepted;
-  }
   result.match = match;
   result.match.pose = IsUsable(match.verdict) ? older.T_odom_submap * T_submap_base : prediction;
   num_lost_ = IsUsable(match.verdict) ? 0 : num_lost_ + 1;
   if (num_lost_ > 0) return result;
-  result.insert = known_score <= options_.max_insert_score;
+  result.insert = match.score <= options_.max_insert_score;
   result.measurements.push_back({older.id, T_submap_base, match.information});
   for (size_t i = 1; i < active_.size(); ++i) {
     ActiveSubmap& younger = active_[i];
@@ -138,23 +130,6 @@ const MatchTarget& Tracker::Target(const SE2& T_submap_base, double reach, Activ
       cells.end());
   submap->target = std::make_unique<MatchTarget>(cells, grid_options_.cell_size, max_distance_);
   return *submap->target;
-}
-
-double Tracker::ScoreOnKnownGround(const std::vector<Eigen::Vector2f>& points, const SE2& T_submap_base,
-                                   const ActiveSubmap& submap) const {
-  std::vector<float> distances;
-  distances.reserve(points.size());
-  for (const Eigen::Vector2f& point : points) {
-    const Eigen::Vector2d position = T_submap_base * point.cast<double>();
-    const MatchTarget::Landmark* landmark = submap.target->Nearest(position.cast<float>());
-    if (landmark != nullptr) {
-      distances.push_back((landmark->centroid - position.cast<float>()).norm());
-    } else if (submap.grid.IsKnownAt(position)) {
-      distances.push_back(static_cast<float>(max_distance_));
-    }
-  }
-  if (2 * distances.size() < points.size()) return max_distance_;
-  return ModifiedHausdorff(&distances, max_distance_, mhd_).score;
 }
 
 bool Tracker::IsKeyframe(const StampedPose& last_keyframe, const StampedPose& pose) const {

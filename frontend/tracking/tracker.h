@@ -77,8 +77,7 @@ struct TrackingResult {
 /// Matches scans to the two active submaps, which overlap by half (after Hess et al. 2016), and grows these.
 class Tracker {
  public:
-  Tracker(const TrackerOptions& options, const OccupancyGridOptions& grid, double max_distance, const MhdOptions& mhd,
-          const Matcher& matcher);
+  Tracker(const TrackerOptions& options, const OccupancyGridOptions& grid, double max_distance, const Matcher& matcher);
 
   /// Matches `points` [m, base frame] to the active submaps: near `prediction` (T_odom_base) first and, if that finds
   /// nothing good, in a wide surrounding of `last_pose`, the pose of the scan before, since what went wrong is most
@@ -122,17 +121,12 @@ class Tracker {
 
   // The target of a submap for scans that reach `reach` [m] around `T_submap_base`, built anew if it is outdated.
   const MatchTarget& Target(const SE2& T_submap_base, double reach, ActiveSubmap* submap) const;
-  // The MHD [m] of `points` at a pose, over those that lie on ground the submap knows: what lies beyond is new, not wrong.
-  // D_max when these are less than half of them.
-  double ScoreOnKnownGround(const std::vector<Eigen::Vector2f>& points, const SE2& T_submap_base,
-                            const ActiveSubmap& submap) const;
   Submap Finish(ActiveSubmap* active) const;
 
   TrackerOptions options_;
   OccupancyGridOptions grid_options_;
   float min_log_odds_;
   double max_distance_;
-  MhdOptions mhd_;
   Matcher matcher_;
   std::deque<ActiveSubmap> active_;
   int num_lost_ = 0;  // Scans in a row that found nothing.
