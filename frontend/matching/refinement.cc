@@ -17,6 +17,8 @@ constexpr double kDegeneracySteps = 2.0;
 // The slope of a spoilt scan can vanish in any direction, by noise. So the pairs themselves must agree that they hold a
 // direction weakly: against the greatest, 0.05 to 0.19 along corridors, in orchards mostly above 0.3.
 constexpr double kMaxFixedRatio = 0.25;
+// [m], by how much more MHD the prediction may cost than the pose found, along a direction that is degenerate.
+constexpr double kGreatestDegenerateLoss = 0.01;
 
 // A point beside the landmark it was matched to.
 struct Pair {
@@ -48,6 +50,8 @@ class Refiner {
     if (result.num_degenerate > 0) {
       // Along the degenerate directions the search and the steps above went astray: go back to the prediction there,
       // and refine the others once more.
+      const SE2 found = result.pose;
+      const double found_score = mhd_.score;
       const Eigen::Matrix3d free = Eigen::Matrix3d::Identity() - Projector(result);
       const SE2 to_prediction = result.pose.Inverse() * prediction;
       const Eigen::Vector3d scale(1.0, 1.0, options_.lever_arm);
@@ -55,6 +59,13 @@ class Refiner {
           (Projector(result) * to_prediction.vector().cwiseProduct(scale)).cwiseQuotient(scale);
       result.pose = Iterate(result.pose * SE2(back.x(), back.y(), back.z()), free, &result.iterations);
       Associate(result.pose);
+      // An unknown direction is one along which the pose may move at no cost. Where the way back costs, the direction
+      // is known after all, if only over more than the slope's step: a turn among few trunks, found by a wide search.
+      if (mhd_.score > found_score + kGreatestDegenerateLoss) {
+        result.pose = found;
+        result.num_degenerate = 0;
+        Associate(result.pose);
+      }
     }
     result.mhd = mhd_;
     result.information = Information(result.pose, result);

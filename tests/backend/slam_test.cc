@@ -104,13 +104,35 @@ TEST(SlamTest, ClosesTheLoopOfAnOrchard) {
     for (size_t i = 0; i < orchard.NumScans(); ++i) {
       EXPECT_EQ(run.scans[i].status, ScanStatus::kMatched) << i << ": " << run.scans[i].reason;
       EXPECT_EQ(run.trajectory[i].stamp, orchard.Stamp(i));
-      EXPECT_LT(Distance(run.trajectory[i].pose, TruthOf(orchard, i)), 0.3) << i;
+      EXPECT_LT(Distance(run.trajectory[i].pose, TruthOf(orchard, i)), 0.5) << i;
       EXPECT_LT(Turn(run.trajectory[i].pose, TruthOf(orchard, i)), 0.06) << i;
       EXPECT_LT(Distance(run.scans[i].T_odom_base, TruthOf(orchard, i)), 1.0) << i;
     }
     const SE2 last = TruthOf(orchard, orchard.NumScans() - 1);
     // The walk ends where it began.
     EXPECT_LT(Distance(run.trajectory.back().pose, last), 0.05);
+    EXPECT_TRUE(std::any_of(run.finish.loops.begin(), run.finish.loops.end(),
+                            [](const LoopCandidate& loop) { return loop.accepted; }));
+  }
+}
+
+// Bare trunks are seen from one side on the way up an alley and from the other on the way down the next, and only turns
+// of 0.4 to 0.7 rad a scan lead from one to the other. The poses in between may therefore err by a trunk's diameter.
+TEST(SlamTest, ClosesTheLoopOfAQuietOrchard) {
+  for (const int seed : {1, 2, 3}) {
+    SCOPED_TRACE(seed);
+    const PlanarOrchard orchard(QuietOrchardOptions(seed));
+    const Outcome run = Process(ScansOf(orchard));
+    ASSERT_EQ(run.trajectory.size(), orchard.NumScans());
+    for (size_t i = 0; i < orchard.NumScans(); ++i) {
+      EXPECT_EQ(run.scans[i].status, ScanStatus::kMatched) << i << ": " << run.scans[i].reason;
+      EXPECT_EQ(run.trajectory[i].stamp, orchard.Stamp(i));
+      EXPECT_LT(Distance(run.trajectory[i].pose, TruthOf(orchard, i)), 0.2) << i;
+      EXPECT_LT(Turn(run.trajectory[i].pose, TruthOf(orchard, i)), 0.02) << i;
+      EXPECT_LT(Distance(run.scans[i].T_odom_base, TruthOf(orchard, i)), 0.2) << i;
+    }
+    // The walk ends where it began.
+    EXPECT_LT(Distance(run.trajectory.back().pose, SE2()), 0.01);
     EXPECT_TRUE(std::any_of(run.finish.loops.begin(), run.finish.loops.end(),
                             [](const LoopCandidate& loop) { return loop.accepted; }));
   }
