@@ -21,7 +21,7 @@ trap 'rm -rf "${work}"' EXIT
 
 # ate SECTION: the ATE RMSE of that section of the latest summary's errors.
 ate() {
-  awk -v section="\"$1\"" '$1 == section ":" { inside = 1 } inside && $1 == "\"ate_rmse_m\":" { printf "%.3f", $2; exit }' \
+  awk -v section="\"$1\"" '$1 == section ":" { inside = 1 } inside && $1 == "\"ate_se2_rmse_m\":" { printf "%.3f", $2; exit }' \
     "${work}/run/summary.json"
 }
 
