@@ -13,7 +13,7 @@ namespace arborslam {
 
 struct LoopOptions {
   double candidate_radius = 8.0;    ///< [m], a keyframe this near to a submap's path is tried against the submap.
-  int keyframe_stride = 12;          ///< Every so many keyframes are tried.
+  int keyframe_stride = 12;         ///< Every so many keyframes are tried.
   double search_translation = 1.0;  ///< [m], half width of the search around the graph's estimate.
   double search_rotation = 0.1;     ///< [rad], the same in heading.
   double max_score = 0.08;          ///< [m], a loop's MHD may not exceed this.
