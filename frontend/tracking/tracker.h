@@ -64,8 +64,7 @@ struct TrackingResult {
   MatchResult match;
   bool searched_wide = false;
   bool insert = false;  ///< Clean enough to become part of the maps.
-  /// From each active submap that the scan could be matched to (`to` is left for the caller to name). Empty unless the
-  /// match is usable.
+  /// From each active submap that the scan could be matched to. Empty unless the match is usable.
   struct Measurement {
     SubmapId submap;
     SE2 T_submap_base;
