@@ -126,9 +126,9 @@ void Track(ScanSource* source, Slam* slam, RunRecord* record, Trajectory* odomet
   if (total && FLAGS_max_scans > 0) total = std::min(*total, static_cast<size_t>(FLAGS_max_scans));
   ProgressBar progress(std::cerr, total, StderrIsTerminal() && !FLAGS_quiet);
   while (g_signal == 0 && (FLAGS_max_scans == 0 || record->scans.size() < static_cast<size_t>(FLAGS_max_scans))) {
-    const std::optional<LaserScan> scan = source->Next();
+    const std::optional<Scan> scan = source->Next();
     if (!scan) break;
-    record->scans.push_back(slam->AddScan(*scan));
+    record->scans.push_back(slam->AddScan(std::get<LaserScan>(*scan)));
     const ScanResult& result = record->scans.back();
     if (result.status != ScanStatus::kSkipped) odometry->push_back({result.stamp, result.T_odom_base});
     progress.Update(record->scans.size());

@@ -72,7 +72,7 @@ PullallyScanSource::PullallyScanSource(const std::string& path) {
   }
 }
 
-std::optional<LaserScan> PullallyScanSource::Next() {
+std::optional<Scan> PullallyScanSource::Next() {
   if (next_ == stamps_.size()) return std::nullopt;
   LaserScan scan;
   scan.stamp = stamps_[next_];

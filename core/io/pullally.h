@@ -25,7 +25,7 @@ class PullallyScanSource : public ScanSource {
   /// Throws `UserError` when the file cannot be read or its arrays are not as above.
   explicit PullallyScanSource(const std::string& path);
 
-  std::optional<LaserScan> Next() override;
+  std::optional<Scan> Next() override;
   std::optional<size_t> NumScans() const override { return stamps_.size(); }
   const std::vector<std::string>& Notices() const override { return notices_; }
 

@@ -5,11 +5,16 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "core/sensor/laser_scan.h"
+#include "core/sensor/lidar_sweep.h"
 
 namespace arborslam {
+
+/// What a recording is made of: scans in a plane or sweeps in space. A recording holds one kind only.
+using Scan = std::variant<LaserScan, LidarSweep>;
 
 /// A recording that gives its scans one at a time, in the order of the file.
 class ScanSource {
@@ -17,7 +22,7 @@ class ScanSource {
   virtual ~ScanSource() = default;
 
   /// The next scan, or nothing at the end. Throws `UserError` when the record is damaged.
-  virtual std::optional<LaserScan> Next() = 0;
+  virtual std::optional<Scan> Next() = 0;
 
   /// How many scans the recording holds, where the format tells.
   virtual std::optional<size_t> NumScans() const = 0;

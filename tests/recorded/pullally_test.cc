@@ -43,7 +43,7 @@ class PullallyTest : public testing::TestWithParam<const char*> {
       GTEST_SKIP() << path << " is not here; set ARBORSLAM_DATA to the folder of the recorded data";
     }
     const std::unique_ptr<ScanSource> source = OpenScanSource(path.string());
-    while (const std::optional<LaserScan> scan = source->Next()) recording_.scans.push_back(*scan);
+    while (const std::optional<Scan> scan = source->Next()) recording_.scans.push_back(std::get<LaserScan>(*scan));
     recording_.reference = ReadTrajectory(path.string());
     ASSERT_EQ(recording_.scans.size(), recording_.reference.poses.size());
   }

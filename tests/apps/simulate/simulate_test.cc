@@ -83,9 +83,11 @@ TEST_F(SimulateTest, WritesScansAndGroundTruthOfTheOrchard) {
   const Trajectory3 truth = ReadTrajectory((folder_ / "a/b/ground_truth.tum").string());
   ASSERT_EQ(truth.poses.size(), 12u);
   for (size_t i = 0; i < 12; ++i) {
-    const std::optional<LaserScan> scan = source->Next();
+    const std::optional<Scan> next = source->Next();
     const LaserScan expected = orchard.Scan(i);
-    ASSERT_TRUE(scan.has_value());
+    ASSERT_TRUE(next.has_value());
+    const auto* scan = std::get_if<LaserScan>(&*next);
+    ASSERT_NE(scan, nullptr);
     EXPECT_EQ(scan->ranges, expected.ranges);
     EXPECT_EQ(scan->stamp, expected.stamp);
     EXPECT_NEAR(scan->bearing_min, expected.bearing_min, 1e-12);

@@ -38,15 +38,17 @@ TEST(PullallyScanSource, GivesTheScansInOrderWithStampsAndBearings) {
   const std::unique_ptr<ScanSource> source = OpenScanSource(folder.File("a.npz"));
   EXPECT_EQ(source->NumScans(), 2u);
   EXPECT_THAT(source->Notices(), ElementsAre());
-  const std::optional<LaserScan> first = source->Next();
-  ASSERT_TRUE(first);
+  const std::optional<Scan> first_scan = source->Next();
+  ASSERT_TRUE(first_scan);
+  const auto* first = &std::get<LaserScan>(*first_scan);
   EXPECT_EQ(first->stamp, 10.5);
   EXPECT_THAT(first->ranges, ElementsAre(1.0f, 2.0f, std::numeric_limits<float>::infinity()));
   EXPECT_DOUBLE_EQ(first->Bearing(0), -kPi);
   EXPECT_DOUBLE_EQ(first->Bearing(1), -kPi / 2.0);
   EXPECT_DOUBLE_EQ(first->Bearing(2), 0.0);
-  const std::optional<LaserScan> second = source->Next();
-  ASSERT_TRUE(second);
+  const std::optional<Scan> second_scan = source->Next();
+  ASSERT_TRUE(second_scan);
+  const auto* second = &std::get<LaserScan>(*second_scan);
   EXPECT_EQ(second->stamp, 15.0);
   EXPECT_THAT(second->ranges, ElementsAre(4.0f, 5.0f, 6.0f));
   EXPECT_FALSE(source->Next());
@@ -64,7 +66,7 @@ TEST(PullallyScanSource, ReadsNothingButScansAndStamps) {
                                                               {"u_var.npy", "damaged", {}},
                                                               {"angles.npy", "damaged", {}}}));
   PullallyScanSource source(path);
-  EXPECT_EQ(source.Next()->stamp, 7.0);
+  EXPECT_EQ(std::get<LaserScan>(*source.Next()).stamp, 7.0);
 }
 
 TEST(PullallyScanSource, WithoutStampsTheScansAreOneSecondApartAndTheUserIsTold) {
@@ -72,9 +74,9 @@ TEST(PullallyScanSource, WithoutStampsTheScansAreOneSecondApartAndTheUserIsTold)
   WriteNpz(folder.File("a.npz"), {{"scan0", {{3, 2}, {1, 1, 1, 1, 1, 1}}}});
   PullallyScanSource source(folder.File("a.npz"));
   EXPECT_THAT(source.Notices(), ElementsAre(HasSubstr("'time'")));
-  EXPECT_EQ(source.Next()->stamp, 0.0);
-  EXPECT_EQ(source.Next()->stamp, 1.0);
-  EXPECT_EQ(source.Next()->stamp, 2.0);
+  EXPECT_EQ(std::get<LaserScan>(*source.Next()).stamp, 0.0);
+  EXPECT_EQ(std::get<LaserScan>(*source.Next()).stamp, 1.0);
+  EXPECT_EQ(std::get<LaserScan>(*source.Next()).stamp, 2.0);
 }
 
 TEST(PullallyScanSource, RangesThatAreNoRangesAreNoReturnsAndCounted) {
@@ -82,11 +84,11 @@ TEST(PullallyScanSource, RangesThatAreNoRangesAreNoReturnsAndCounted) {
   WriteNpz(folder.File("a.npz"), {{"scan0", {{2, 3}, {kNaN, 2, -1, 1e300, -kInfinity, 0}}}, {"time", {{2}, {0, 1}}}});
   PullallyScanSource source(folder.File("a.npz"));
   EXPECT_THAT(source.Notices(), ElementsAre(HasSubstr("3 of the 6 ranges")));
-  const std::vector<float> first = source.Next()->ranges;
+  const std::vector<float> first = std::get<LaserScan>(*source.Next()).ranges;
   EXPECT_TRUE(std::isnan(first[0]));
   EXPECT_EQ(first[1], 2.0f);
   EXPECT_TRUE(std::isnan(first[2]));
-  const std::vector<float> second = source.Next()->ranges;
+  const std::vector<float> second = std::get<LaserScan>(*source.Next()).ranges;
   EXPECT_TRUE(std::isinf(second[0]));
   EXPECT_TRUE(std::isnan(second[1]));
   EXPECT_EQ(second[2], 0.0f);
@@ -133,7 +135,8 @@ TEST(RecordedPullally, HasTheScansItsAuthorsPublished) {
     size_t count = 0;
     size_t num_returns = 0;
     double stamp = -kInfinity;
-    while (const std::optional<LaserScan> scan = source->Next()) {
+    while (const std::optional<Scan> next = source->Next()) {
+      const auto* scan = &std::get<LaserScan>(*next);
       ASSERT_EQ(scan->ranges.size(), 897u);
       EXPECT_NEAR(scan->bearing_increment, 2.0 * kPi / 898.0, 1e-12);
       EXPECT_GT(scan->stamp, stamp);

@@ -1,0 +1,25 @@
+#ifndef ARBORSLAM_CORE_SENSOR_LIDAR_SWEEP_H_
+#define ARBORSLAM_CORE_SENSOR_LIDAR_SWEEP_H_
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+namespace arborslam {
+
+/// One revolution of a 3D lidar, raw: every point in the frame that the sensor had when it measured the point (`lidar`:
+/// x ahead, y left, z up).
+struct LidarSweep {
+  double start = 0.0;     ///< [s], when the sweep began. A pose that belongs to the sweep is stamped at its middle.
+  double duration = 0.0;  ///< [s], from its first to its last return, at least 0.
+  std::vector<Eigen::Vector3f> points;  ///< [m], finite, none at the origin, in the order of the file.
+  std::vector<float> times;             ///< [s] since `start`, one per point; empty when the recording has no times.
+  size_t num_dropped = 0;               ///< Points of the record that were infinite, not a number, or at the origin.
+
+  /// [s]
+  double Middle() const { return start + 0.5 * duration; }
+};
+
+}  // namespace arborslam
+
+#endif  // ARBORSLAM_CORE_SENSOR_LIDAR_SWEEP_H_
