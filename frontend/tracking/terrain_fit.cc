@@ -19,12 +19,30 @@ constexpr double kPriorHeight = 0.3;  // [m]
 // More returns than this say no more about where a patch of rough ground lies.
 constexpr float kFullWeight = 5.0f;
 
+// [m], by how much the samples lie below the terrain; 0 when too few lie on it.
+double MedianResidual(const std::vector<GroundSample>& samples, const TerrainMap& terrain, const SE2& T_map_base,
+                      const Tilt3& tilt) {
+  constexpr size_t kMinSamples = 5;
+  const Eigen::Isometry3d T_base_lidar = tilt.Transform();
+  std::vector<double> residuals;
+  for (const GroundSample& sample : samples) {
+    const Eigen::Vector3d point = T_base_lidar * sample.position.cast<double>();
+    const auto surface = terrain.At(T_map_base * Eigen::Vector2d(point.head<2>()));
+    if (surface) residuals.push_back(surface->z - point.z());
+  }
+  if (residuals.size() < kMinSamples) return 0.0;
+  const auto middle = residuals.begin() + static_cast<ptrdiff_t>(residuals.size() / 2);
+  std::nth_element(residuals.begin(), middle, residuals.end());
+  return *middle;
+}
+
 }  // namespace
 
 TerrainFit FitToTerrain(const std::vector<GroundSample>& samples, const TerrainMap& terrain, const SE2& T_map_base,
                         const Tilt3& initial) {
   TerrainFit fit;
   fit.tilt = initial;
+  fit.tilt.z += MedianResidual(samples, terrain, T_map_base, initial);
   const Eigen::Rotation2Dd R_base_map(-T_map_base.theta());
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     const Eigen::Matrix3d rotation = fit.tilt.Rotation();
