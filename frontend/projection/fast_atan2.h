@@ -16,9 +16,8 @@ inline float FastAtan2(float y, float x) {
   const float t = smaller / (larger > 0.0f ? larger : 1.0f);
   const float u = t * t;
   // Minimax of atan(t) on [0, 1].
-  float angle =
-      t * (0.99997726f +
-           u * (-0.33262347f + u * (0.19354346f + u * (-0.11643287f + u * (0.05265332f + u * -0.01172120f)))));
+  float angle = t * (0.99997726f + u * (-0.33262347f +
+                                        u * (0.19354346f + u * (-0.11643287f + u * (0.05265332f + u * -0.01172120f)))));
   angle = steep ? 1.57079633f - angle : angle;
   angle = x < 0.0f ? 3.14159265f - angle : angle;
   return y < 0.0f ? -angle : angle;
