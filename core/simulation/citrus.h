@@ -15,7 +15,7 @@ struct CitrusOptions {
   RunOptions run;
   int rows = 7;                 ///< Rows of trees along x; the robot also drives along the outer sides.
   double row_spacing = 6.86;    ///< [m].
-  double row_length = 57.0;     ///< [m].
+  double row_length = 58.8;     ///< [m].
   double tree_spacing = 3.0;    ///< [m] between trees of a row.
   double missing_trees = 0.06;  ///< Probability that a place is empty.
   double leaf_density = 1.2;    ///< [1/m], of the crowns.

@@ -18,6 +18,7 @@ constexpr int kCorners = 20;             // Of the figure of eight.
 constexpr double kBorder = 60.0;         // [m] of forest around the path.
 constexpr double kTrunkClearance = 0.7;  // [m] from the path to the axis of a tree, least, plus its radius.
 constexpr double kBushClearance = 1.2;   // [m].
+constexpr size_t kMaxTries = 4;          // For each tree: where they must stand far apart, there are fewer.
 
 ClosedPath FigureOfEight(double length, double turn_radius, Random* random) {
   std::vector<Eigen::Vector2d> corners;
@@ -103,8 +104,8 @@ Scene MakeForest(const ForestOptions& options) {
   const double wander = options.run.carrier.wander;
 
   std::vector<Eigen::Vector2d> trees;
-  const auto wanted = static_cast<int>(options.stems * hectares);
-  for (int i = 0; i < wanted; ++i) {
+  const auto wanted = static_cast<size_t>(options.stems * hectares);
+  for (size_t tries = 0; trees.size() < wanted && tries < kMaxTries * wanted; ++tries) {
     const Eigen::Vector2d place(random.Uniform(low.x(), high.x()), random.Uniform(low.y(), high.y()));
     TreeShape tree;
     tree.trunk_radius = options.trunk_radius * std::exp(0.4 * std::clamp(random.Gaussian(), -2.0, 2.0));

@@ -65,12 +65,12 @@ Lidar3::Lidar3(const Lidar3Options& options, const World3* world) : options_(opt
 
 Lidar3::Hit Lidar3::Cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, const BearingIndex& index,
                          const std::vector<Frustum>& moving, Random* random) const {
-  const Terrain::Hit ground = world_->terrain.Cast(origin, direction, options_.max_range, random);
-  Hit hit{ground.range, ground.is_grass ? kGrassReflectivity : kSoilReflectivity};
+  const double farthest = std::min(options_.max_range, world_->terrain.RangeToFloor(origin, direction));
+  Hit hit{farthest, 0.0};
   const double level = direction.head<2>().norm();
   const double climb = level > 0.0 ? direction.z() / level : 0.0;
   for (const BearingIndex::Entry& entry : index.Towards(direction.head<2>())) {
-    if (entry.near > hit.range * level) break;
+    if (entry.near > hit.range * level) break;  // So are all that follow.
     const double height_near = origin.z() + climb * entry.near;
     const double height_far = origin.z() + climb * entry.far;
     if (std::max(height_near, height_far) < entry.low || std::min(height_near, height_far) > entry.high) continue;
@@ -90,8 +90,9 @@ Lidar3::Hit Lidar3::Cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& d
     const double range = Intersect(solid, origin, direction);
     if (range < hit.range) hit = {range, solid.reflectivity};
   }
-  if (!(hit.range <= options_.max_range)) hit.range = kInfinity;
-  return hit;
+  const Terrain::Hit ground = world_->terrain.Cast(origin, direction, hit.range, random);
+  if (ground.range <= hit.range) return {ground.range, ground.is_grass ? kGrassReflectivity : kSoilReflectivity};
+  return hit.range < farthest ? hit : Hit{kInfinity, 0.0};
 }
 
 SimulatedSweep Lidar3::Measure(const std::function<Eigen::Isometry3d(double)>& pose_at, double start,
@@ -137,14 +138,14 @@ SimulatedSweep Lidar3::Measure(const std::function<Eigen::Isometry3d(double)>& p
     for (const Eigen::Vector2d& elevation : elevations_) {
       const Eigen::Vector3d ray(elevation.x() * heading.x(), elevation.x() * heading.y(), elevation.y());
       const Hit hit = Cast(T_world_lidar.translation(), T_world_lidar.linear() * ray, index, moving_here, random);
-      // Drawn for every beam, with or without a return.
+      if (!(hit.range >= options_.min_range && hit.range <= options_.max_range)) continue;
       const bool lost = random->Uniform() < options_.drop_out;
       double range = hit.range + options_.range_noise * random->Gaussian();
       const double intensity = hit.reflectivity * (1.0 + 0.1 * random->Gaussian());
       if (options_.range_resolution > 0.0) {
         range = std::round(range / options_.range_resolution) * options_.range_resolution;
       }
-      if (lost || !(hit.range >= options_.min_range && hit.range <= options_.max_range) || !(range > 0.0)) continue;
+      if (lost || !(range > 0.0)) continue;
       result.sweep.points.emplace_back((range * ray).cast<float>());
       result.sweep.times.push_back(static_cast<float>(since_start));
       result.intensities.push_back(static_cast<float>(std::clamp(intensity, 0.0, 1.0)));

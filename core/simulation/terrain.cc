@@ -14,14 +14,25 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNodeSpacing = 0.25;  // [m].
 constexpr int kNumWaves = 6;
-constexpr double kWaveSampling = 2.0;   // [m], where their height is looked up.
-constexpr int kNodesPerPatch = 5;       // Grass grows in patches of about this size.
-constexpr double kClumpFactor = 2.5;    // Height of a clump over that of the usual grass.
-constexpr double kShortestStep = 0.02;  // [m] of a beam over the ground, growing with the range.
-constexpr double kStepGrowth = 0.002;
+constexpr double kWaveSampling = 2.0;    // [m], where their height is looked up.
+constexpr int kNodesPerPatch = 5;        // Grass grows in patches of about this size.
+constexpr double kClumpFactor = 2.5;     // Height of a clump over that of the usual grass.
+constexpr double kNudge = 1e-9;          // [m], over the border of a cell.
+constexpr double kFloorMargin = 0.01;    // [m], below the lowest ground.
+constexpr int kPeakReaches[] = {32, 8};  // [nodes], the distances over which a beam may skip.
 
 // The streams of the seed.
 enum Stream : uint64_t { kWaves = 100, kBumps = 101, kGrass = 102 };
+
+// The least x > 0 with a x^2 + b x + c = 0, where c > 0; infinite if there is none.
+double FirstRoot(double a, double b, double c) {
+  const double discriminant = b * b - 4.0 * a * c;
+  if (discriminant < 0.0) return kInfinity;
+  // As 2 c / (-b +- root): without cancellation for the root that is asked for, and right for a = 0. That root is the
+  // one with the + sign: for a < 0 the only positive one, for a > 0 the smaller.
+  const double denominator = -b + std::sqrt(discriminant);
+  return denominator > 0.0 ? 2.0 * c / denominator : kInfinity;
+}
 
 }  // namespace
 
@@ -71,25 +82,17 @@ Terrain::Terrain(const TerrainOptions& options, uint64_t seed, const Eigen::Vect
   const size_t num_nodes = static_cast<size_t>(width_) * static_cast<size_t>(height_);
   ground_.reserve(num_nodes);
   Random bump_random(seed, kBumps);
-  max_ground_ = -kInfinity;
+  highest_ = -kInfinity;
+  lowest_ = kInfinity;
   for (int j = 0; j < height_; ++j) {
     for (int i = 0; i < width_; ++i) {
       const double bump = options.bumps * std::clamp(bump_random.Gaussian(), -2.0, 2.0);
       ground_.push_back(static_cast<float>(Waves(low + kNodeSpacing * Eigen::Vector2d(i, j)) + bump));
-      max_ground_ = std::max<double>(max_ground_, ground_.back());
+      highest_ = std::max<double>(highest_, ground_.back());
+      lowest_ = std::min<double>(lowest_, ground_.back());
     }
   }
-  double steepest_x = 0.0;
-  double steepest_y = 0.0;
-  for (size_t node = 0; node < num_nodes; ++node) {
-    if ((node + 1) % width_ != 0) {
-      steepest_x = std::max<double>(steepest_x, std::abs(ground_[node + 1] - ground_[node]));
-    }
-    if (node + width_ < num_nodes) {
-      steepest_y = std::max<double>(steepest_y, std::abs(ground_[node + width_] - ground_[node]));
-    }
-  }
-  steepness_ = std::hypot(steepest_x, steepest_y) / kNodeSpacing;
+  for (size_t i = 0; i < peaks_.size(); ++i) peaks_[i] = Peaks(ground_, width_, height_, kPeakReaches[i]);
 
   if (options.grass_height <= 0.0 || options.grass_cover <= 0.0) return;
   Random grass_random(seed, kGrass);
@@ -105,6 +108,25 @@ Terrain::Terrain(const TerrainOptions& options, uint64_t seed, const Eigen::Vect
       const double height = (is_clump ? kClumpFactor : 1.0) * options.grass_height * grass_random.Uniform(0.3, 1.0);
       grass_.push_back(is_grown ? static_cast<float>(height) : 0.0f);
       max_grass_ = std::max<double>(max_grass_, grass_.back());
+    }
+  }
+}
+
+Terrain::Peaks::Peaks(const std::vector<float>& nodes, int width, int height, int reach_in)
+    : reach(reach_in), across((width - 1) / reach_in + 1) {
+  const int up = (height - 1) / reach + 1;
+  heights.assign(static_cast<size_t>(across) * static_cast<size_t>(up), -std::numeric_limits<float>::infinity());
+  // A square's peak counts for its neighbours too: from anywhere in a square, `reach` leads no farther.
+  for (int j = 0; j < height; ++j) {
+    for (int i = 0; i < width; ++i) {
+      const float node = nodes[static_cast<size_t>(j) * static_cast<size_t>(width) + static_cast<size_t>(i)];
+      // A node also bounds the cells before it.
+      for (int y = std::max(0, (j - 1) / reach - 1); y <= std::min(up - 1, j / reach + 1); ++y) {
+        for (int x = std::max(0, (i - 1) / reach - 1); x <= std::min(across - 1, i / reach + 1); ++x) {
+          float& peak = heights[static_cast<size_t>(y) * static_cast<size_t>(across) + static_cast<size_t>(x)];
+          peak = std::max(peak, node);
+        }
+      }
     }
   }
 }
@@ -134,46 +156,56 @@ double Terrain::Sample(const Eigen::Vector2d& position, const std::vector<float>
   return (1.0 - v) * ((1.0 - u) * node[0] + u * node[1]) + v * ((1.0 - u) * node[width_] + u * node[width_ + 1]);
 }
 
+double Terrain::RangeToFloor(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
+  const double climb = direction.z() - slope_.dot(direction.head<2>());
+  const double level = origin.z() - slope_.dot(origin.head<2>());
+  return climb < 0.0 ? std::max(0.0, (level - lowest_ + kFloorMargin) / -climb) : kInfinity;
+}
+
 double Terrain::Descend(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double begin, double max_range,
                         double offset) const {
-  const Eigen::Vector2d start = origin.head<2>();
-  const Eigen::Vector2d heading = direction.head<2>();
+  const Eigen::Vector2d start = (origin.head<2>() - low_) / kNodeSpacing;
+  const Eigen::Vector2d step = direction.head<2>() / kNodeSpacing;
   // Over the slope, which is a plane.
-  const double level = origin.z() - slope_.dot(start) - offset;
-  const double climb = direction.z() - slope_.dot(heading);
-  const double fastest_approach = steepness_ * heading.norm() - climb;
-  if (fastest_approach <= 0.0) return kInfinity;
-  double range = begin;
-  double gap = level + climb * range - Sample(start + range * heading, ground_);
-  while (gap > 0.0) {
-    if (climb >= 0.0 && level + climb * range > max_ground_) return kInfinity;
-    const double step = std::max(gap / fastest_approach, kShortestStep + kStepGrowth * range);
-    const double next = range + step;
-    if (range >= max_range) return kInfinity;
-    const double next_gap = level + climb * next - Sample(start + next * heading, ground_);
-    if (next_gap > 0.0) {
-      range = next;
-      gap = next_gap;
-      continue;
+  const double level = origin.z() - slope_.dot(origin.head<2>()) - offset;
+  const double climb = direction.z() - slope_.dot(direction.head<2>());
+  const double pace = std::max(step.norm(), 1e-9);  // [nodes/m].
+  for (double range = begin; range <= max_range;) {
+    const Eigen::Vector2d place = start + range * step;
+    if (!(place.x() >= 0.0 && place.x() < width_ - 1 && place.y() >= 0.0 && place.y() < height_ - 1)) return kInfinity;
+    const double height = level + climb * range;
+    if (climb >= 0.0 && height > highest_) return kInfinity;
+    const int i = static_cast<int>(place.x());
+    const int j = static_cast<int>(place.y());
+    // Over low ground far and wide the beam goes on at once.
+    bool is_clear = false;
+    for (const Peaks& peaks : peaks_) {
+      const double stride = peaks.reach / pace;
+      const double lowest_on_the_way = height + std::min(0.0, climb * stride);
+      if (lowest_on_the_way <= peaks.At(i, j)) continue;
+      range += stride;
+      is_clear = true;
+      break;
     }
-    // Between `range` and `next`.
-    double high = next;
-    double high_gap = next_gap;
-    for (int i = 0; i < 4 && high - range > 1e-5; ++i) {
-      const double middle = range + (high - range) * gap / (gap - high_gap);
-      const double middle_gap = level + climb * middle - Sample(start + middle * heading, ground_);
-      if (middle_gap > 0.0) {
-        range = middle;
-        gap = middle_gap;
-      } else {
-        high = middle;
-        high_gap = middle_gap;
-      }
-    }
-    range += (high - range) * gap / (gap - high_gap);
-    break;
+    if (is_clear) continue;
+    // Within the cell the ground is a + b u + c v + e u v, and the gap to the beam a quadratic.
+    const float* const node = &ground_[static_cast<size_t>(j) * static_cast<size_t>(width_) + static_cast<size_t>(i)];
+    const double u = place.x() - i;
+    const double v = place.y() - j;
+    const double slope_u = node[1] - node[0];
+    const double slope_v = node[width_] - node[0];
+    const double twist = static_cast<double>(node[width_ + 1]) - node[width_] - slope_u;
+    const double gap = height - (node[0] + slope_u * u + slope_v * v + twist * u * v);
+    if (gap <= 0.0) return range;
+    const double exit_u = step.x() > 0.0 ? (1.0 - u) / step.x() : (step.x() < 0.0 ? -u / step.x() : kInfinity);
+    const double exit_v = step.y() > 0.0 ? (1.0 - v) / step.y() : (step.y() < 0.0 ? -v / step.y() : kInfinity);
+    const double exit = std::min({exit_u, exit_v, max_range - range + kNudge});
+    const double rate = climb - (slope_u * step.x() + slope_v * step.y() + twist * (u * step.y() + v * step.x()));
+    const double hit = FirstRoot(-twist * step.x() * step.y(), rate, gap);
+    if (hit <= exit) return range + hit <= max_range ? range + hit : kInfinity;
+    range += exit + kNudge;
   }
-  return range <= max_range ? range : kInfinity;
+  return kInfinity;
 }
 
 Terrain::Hit Terrain::Cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double max_range,
@@ -187,8 +219,9 @@ Terrain::Hit Terrain::Cast(const Eigen::Vector3d& origin, const Eigen::Vector3d&
     if (range >= std::min(soil, max_range)) return {soil, false};
     const Eigen::Vector3d point = origin + range * direction;
     const double above = point.z() - Height(point.head<2>());
-    if (above > max_grass_ && direction.z() - slope_.dot(direction.head<2>()) > steepness_) return {soil, false};
     if (above < GrassHeight(point.head<2>())) return {range, true};
+    // Out of the grass the beam goes on to where it comes back.
+    if (above > max_grass_) range = std::max(range, Descend(origin, direction, range, max_range, max_grass_));
   }
 }
 

@@ -2,6 +2,8 @@
 #define ARBORSLAM_CORE_SIMULATION_TERRAIN_H_
 
 #include <Eigen/Core>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -44,8 +46,7 @@ struct TerrainOptions {
 /// the bumps. Thread-safe.
 class Terrain {
  public:
-  /// `options` must be valid. The bumps and the grass cover the rectangle from `low` to `high` [m], beyond which the
-  /// border's go on.
+  /// `options` must be valid. Beams meet ground on the rectangle from `low` to `high` [m] only.
   Terrain(const TerrainOptions& options, uint64_t seed, const Eigen::Vector2d& low, const Eigen::Vector2d& high);
 
   /// [m], without the bumps.
@@ -70,11 +71,28 @@ class Terrain {
   /// within `max_range` [m]. The grass is a medium of constant density below its height.
   Hit Cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double max_range, Random* random) const;
 
+  /// [m], where the beam is as low as the lowest ground: nothing is farther; infinite if it never is.
+  double RangeToFloor(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
+
  private:
   struct Wave {
     Eigen::Vector2d wave_number;  // [rad/m].
     double phase;                 // [rad].
     double amplitude;             // [m].
+  };
+
+  // How high the ground rises within `reach` of each square of `reach` by `reach` cells.
+  struct Peaks {
+    Peaks() = default;
+    Peaks(const std::vector<float>& nodes, int width, int height, int reach);
+    // Around the cell (i, j).
+    double At(int i, int j) const {
+      return heights[static_cast<size_t>(j / reach) * static_cast<size_t>(across) + static_cast<size_t>(i / reach)];
+    }
+
+    int reach = 1;   // [cells].
+    int across = 0;  // [squares].
+    std::vector<float> heights;
   };
 
   double Waves(const Eigen::Vector2d& position) const;
@@ -95,8 +113,9 @@ class Terrain {
   int height_ = 0;             // [nodes].
   std::vector<float> ground_;  // [m], without the slope.
   std::vector<float> grass_;   // [m] above the ground; empty: none.
-  double max_ground_ = 0.0;    // [m], highest node.
-  double steepness_ = 0.0;     // Bound on the gradient of the nodes' surface.
+  double highest_ = 0.0;       // [m], of the nodes.
+  double lowest_ = 0.0;        // [m].
+  std::array<Peaks, 2> peaks_;
 };
 
 }  // namespace arborslam
