@@ -83,7 +83,7 @@
   const DASH = "\u2013";
   const isGiven = (value) => value !== null && value !== undefined && !Number.isNaN(value);
   const fixed = (value, digits) => (isGiven(value) ? value.toFixed(digits).replace(/^-/, "\u2212") : DASH);
-  const metres = (value) => (isGiven(value) ? fixed(value, 3) + " m" : DASH);
+  const metres = (value) => (isGiven(value) ? fixed(value, 3) + "\u00a0m" : DASH);
   const plural = (count, one, many) => count + " " + (count === 1 ? one : many || one + "s");
 
   function duration(seconds) {
@@ -460,7 +460,8 @@
     function drawLoops(context, state, colour, dash) {
       context.save();
       context.strokeStyle = context.fillStyle = colour;
-      context.lineWidth = 1.5;
+      context.lineWidth = 1.1;
+      context.globalAlpha = 0.85;
       let drawn = 0;
       for (const loop of loops) {
         if (loop.state !== state) continue;
@@ -489,8 +490,11 @@
         context.lineWidth = 2, context.strokeStyle = isFilled ? colourOf("--card") : colourOf("--text"), context.stroke();
         context.font = "600 12px " + theme.font;
         context.lineWidth = 3, context.strokeStyle = colourOf("--card"), context.lineJoin = "round";
-        const below = isFilled ? 18 : -10;
-        context.strokeText(text, x + 8, y + below), context.fillStyle = colourOf("--text"), context.fillText(text, x + 8, y + below);
+        // On different sides, as a path that closes has both at one place.
+        context.textAlign = isFilled ? "left" : "right";
+        const beside = x + (isFilled ? 10 : -10);
+        context.strokeText(text, beside, y + 4), context.fillStyle = colourOf("--text"), context.fillText(text, beside, y + 4);
+        context.textAlign = "left";
       };
       mark(posed[0], "start", false);
       mark(posed[posed.length - 1], "end", true);
