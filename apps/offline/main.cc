@@ -18,6 +18,7 @@
 
 #include "apps/common/program.h"
 #include "apps/common/progress_bar.h"
+#include "apps/offline/html_report.h"
 #include "apps/offline/map_picture.h"
 #include "apps/offline/summary.h"
 #include "backend/slam.h"
@@ -63,16 +64,17 @@ and options give the same results, bit by bit, for any number of threads.
 
 Writes trajectory.tum (optimised pose of every scan used), odometry.tum (the causal estimate, as known when the scan came),
 map.pgm + map.yaml (ROS map_server), map.png, graph.g2o, summary.json (counts, rejected scans with reasons, loops, times,
-memory, errors) and effective_config.yaml. A pose's stamp is the middle of its sweep. Ctrl-C ends the reading early and
-keeps what there is (exit code 130), a second one ends the program at once.
+memory, errors), report.html (all of this for the browser, in one file) and effective_config.yaml. A pose's stamp is the
+middle of its sweep. Ctrl-C ends the reading early and keeps what there is (exit code 130), a second one ends the program
+at once.
 )";
 
 // After an interruption the exit code is this and the signal's number, as shells have it.
 constexpr int kExitSignalled = 128;
 
-constexpr std::array<const char*, 8> kResultFiles = {
-    "trajectory.tum", "odometry.tum", "map.yaml",     "map.pgm",
-    "map.png",        "graph.g2o",    "summary.json", "effective_config.yaml"};
+constexpr std::array<const char*, 9> kResultFiles = {"trajectory.tum", "odometry.tum", "map.yaml",
+                                                     "map.pgm",        "map.png",      "graph.g2o",
+                                                     "summary.json",   "report.html",  "effective_config.yaml"};
 
 // The signal that asks for an early end, or 0. A handler can reach nothing else.
 volatile std::sig_atomic_t g_signal = 0;
@@ -190,8 +192,15 @@ PoseGraph2 ToG2o(const Slam& slam) {
   return graph;
 }
 
-void WriteResults(const std::filesystem::path& folder, const Slam& slam, const Trajectory3& odometry,
-                  const RunRecord& record, const std::string& effective_config) {
+// What the score of a scan is held to.
+std::vector<ScoreGate> ScoreGates(const SlamOptions& options) {
+  return {{options.tracker.wide_score, "searched wide (tracker.wide_score)"},
+          {options.tracker.max_insert_score, "kept out of the maps (tracker.max_insert_score)"},
+          {options.matcher.max_score, "rejected (matcher.max_score)"}};
+}
+
+void WriteResults(const std::filesystem::path& folder, const SlamOptions& options, const Slam& slam,
+                  const Trajectory3& odometry, const RunRecord& record, const std::string& effective_config) {
   const Trajectory3 trajectory = slam.OptimizedTrajectory3();
   const GridImage map = ToGridImage(slam.BuildMap());
   WriteTum((folder / "trajectory.tum").string(), trajectory);
@@ -201,6 +210,8 @@ void WriteResults(const std::filesystem::path& folder, const Slam& slam, const T
   WriteG2o((folder / "graph.g2o").string(), ToG2o(slam));
   WriteFileAtomically((folder / "effective_config.yaml").string(), effective_config);
   WriteFileAtomically((folder / "summary.json").string(), SummaryJson(record));
+  const ReportInput report{record, slam.submaps(), effective_config, &map, trajectory, odometry, ScoreGates(options)};
+  WriteFileAtomically((folder / "report.html").string(), HtmlReport(report));
 }
 
 int Run(const MultiFlags& multi_flags) {
@@ -244,7 +255,7 @@ int Run(const MultiFlags& multi_flags) {
   // Writing takes moments, and an end amid them would leave temporary files.
   std::signal(SIGINT, SIG_IGN);
   std::signal(SIGTERM, SIG_IGN);
-  WriteResults(folder, slam, odometry, record, schema.ToYaml());
+  WriteResults(folder, options, slam, odometry, record, schema.ToYaml());
   if (!FLAGS_quiet) std::cout << SummaryText(record) << "results in " << folder.string() << "\n" << std::flush;
   if (record.is_interrupted) {
     std::cerr << "arborslam_offline: interrupted after " << record.scans.size() << " scans; the results in "

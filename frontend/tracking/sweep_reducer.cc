@@ -12,8 +12,7 @@ SweepReducer::SweepReducer(const SweepProjectionOptions& projection, double terr
 ReducedSweep SweepReducer::Reduce(const LidarSweep& sweep, const SE2& prediction, const PlanarVelocity& velocity) {
   const Eigen::Matrix3d R_lidar_base = last_tilt_.Rotation().transpose();
   SweepMotion motion;
-  motion.velocity =
-      (R_lidar_base * Eigen::Vector3d(velocity.linear.x(), velocity.linear.y(), 0.0)).cast<float>();
+  motion.velocity = (R_lidar_base * Eigen::Vector3d(velocity.linear.x(), velocity.linear.y(), 0.0)).cast<float>();
   motion.angular_velocity = (R_lidar_base * Eigen::Vector3d(0.0, 0.0, velocity.angular)).cast<float>();
   prepared_ = projector_.Prepare(sweep, motion, std::move(prepared_));
 

@@ -29,8 +29,8 @@ struct PlanarVelocity {
   double angular = 0.0;                              ///< [rad/s]
 };
 
-/// From sweeps to planar scans (design section 3, steps 2-4): deskews with the robot's velocity, finds the ground, stands
-/// the sweep upright over the terrain seen so far, projects it and leaves out what moves. For one thread.
+/// From sweeps to planar scans (design section 3, steps 2-4): deskews with the robot's velocity, finds the ground,
+/// stands the sweep upright over the terrain seen so far, projects it and leaves out what moves. For one thread.
 class SweepReducer {
  public:
   /// The options must be valid.
