@@ -7,17 +7,21 @@
 #include "core/io/input_file.h"
 #include "core/io/npz.h"
 #include "core/io/pullally.h"
+#include "core/io/sweep_folder.h"
 
 namespace arborslam {
 namespace {
 
 constexpr char kSupported[] =
-    "give a recording of a supported kind: NumPy zip (.npz) with ranges 'scan0' and stamps 'time'";
+    "give a recording of a supported kind: a folder of sweeps as KITTI .bin, with timestamps.txt, or a NumPy zip "
+    "(.npz) "
+    "with ranges 'scan0' and stamps 'time'";
 
 }  // namespace
 
-std::unique_ptr<ScanSource> OpenScanSource(const std::string& path) {
+std::unique_ptr<ScanSource> OpenScanSource(const std::string& path, const SweepFolderOptions& options) {
   std::error_code ignored;
+  if (SweepFolder::Recognises(path)) return std::make_unique<SweepFolder>(path, options);
   if (std::filesystem::is_directory(path, ignored)) {
     throw UserError(path, "is a folder without a recording of a known format", kSupported);
   }

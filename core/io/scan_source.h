@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/io/sweep_folder_options.h"
 #include "core/sensor/laser_scan.h"
 #include "core/sensor/lidar_sweep.h"
 
@@ -32,9 +33,9 @@ class ScanSource {
   virtual const std::vector<std::string>& Notices() const = 0;
 };
 
-/// Opens the recording at `path`, its format told from its content and name. Throws `UserError` when the path does
-/// not exist, cannot be read, or holds no known format.
-std::unique_ptr<ScanSource> OpenScanSource(const std::string& path);
+/// Opens the recording at `path`, its format told from its content and name; `options` is for sweeps in files. Throws
+/// `UserError` when the path does not exist, cannot be read, or holds no known format.
+std::unique_ptr<ScanSource> OpenScanSource(const std::string& path, const SweepFolderOptions& options = {});
 
 }  // namespace arborslam
 

@@ -10,6 +10,7 @@ namespace arborslam {
 struct PlanarScan {
   double stamp = 0.0;                      ///< [s], the middle of the sweep.
   std::vector<Eigen::Vector2f> points;     ///< [m], returns; the rays from the origin to them are free.
+  std::vector<float> weights;              ///< Number of returns that each point stands for; empty: one each.
   std::vector<Eigen::Vector2f> free_ends;  ///< [m], ends of rays that are known to be free and met nothing.
 };
 
