@@ -13,8 +13,8 @@ set -euo pipefail
 
 # What is switched off, one step a line: its name|the flags of arborslam_offline.
 readonly ablations=(
-  "no deskew|--set sweep.deskew=false"
-  "no levelling|--set sweep.level=false"
+  "no deskew|--set reduction.deskew=false"
+  "no levelling|--set reduction.level=false"
   "moving things kept|--set dynamic.enabled=false"
   "no loops|--odometry_only"
 )
