@@ -590,8 +590,8 @@ TEST_F(HtmlReportBrowserTest, ZoomsSortsAndTellsOfScans) {
       note("sorted", up + " " + cell());
       pick("loop-filter", "refused");
       note("filtered", byId("loops-table").dataset.rows);
-      byId("loops-table").querySelector("button.go").click();
-      byId("unused-table").querySelector("button.go").click();
+      byId("loops-table").querySelector("a.go").click();
+      byId("unused-table").querySelector("a.go").click();
       window.dispatchEvent(new Event("beforeprint"));
       window.dispatchEvent(new Event("afterprint"));
     });
