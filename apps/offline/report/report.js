@@ -23,7 +23,8 @@
     fate: raw.fate,
     score: column(raw.score_um, 1e-6),
     inliers: column(raw.inliers_permille, 0.1),
-    points: raw.points,
+    points: column(raw.points, 1),
+    moving: raw.moving ? column(raw.moving, 1) : null,
     bearing: column(raw.bearing_mrad, 1e-3),
     x: column(raw.x_mm, 1e-3),
     y: column(raw.y_mm, 1e-3),
@@ -34,12 +35,14 @@
     odometryError: raw.odometry_error_um ? column(raw.odometry_error_um, 1e-6) : null,
     referenceX: raw.reference_x_mm ? column(raw.reference_x_mm, 1e-3) : null,
     referenceY: raw.reference_y_mm ? column(raw.reference_y_mm, 1e-3) : null,
+    referenceZ: raw.reference_z_mm ? column(raw.reference_z_mm, 1e-3) : null,
     z: raw.z_mm ? column(raw.z_mm, 1e-3) : null,
     roll: raw.roll_mrad ? column(raw.roll_mrad, 0.18 / Math.PI) : null,
     pitch: raw.pitch_mrad ? column(raw.pitch_mrad, 0.18 / Math.PI) : null,
     stages: raw.stages_us.map((values) => column(values, 1e-3)),
   };
   const isKeyframe = (k) => (raw.flags.charCodeAt(k) & 1) !== 0;
+  const lacksGround = (k) => (raw.flags.charCodeAt(k) & 4) !== 0;
   const searchedWide = (k) => (raw.flags.charCodeAt(k) & 2) !== 0;
 
   // Path driven up to every scan [m]; a scan without a pose stands where the one before did.
@@ -261,6 +264,8 @@
     const notes = [];
     if (isKeyframe(k)) notes.push("keyframe");
     if (searchedWide(k)) notes.push("searched wide");
+    if (lacksGround(k)) notes.push("no ground found");
+    if (scans.moving && scans.moving[k] > 0) notes.push(plural(scans.moving[k], "moving point") + " left out");
     if (notes.length) lines.push(["", notes.join(", ")]);
     return lines;
   }
@@ -1209,8 +1214,13 @@
         { text: "roll", values: scans.roll, colour: "--path" },
         { text: "pitch", values: scans.pitch, colour: "--odometry" },
       ], false);
-      lineChart("height", "Height", "m", 130, [{ text: "z", values: scans.z, colour: "--truth" }], false);
+      const heights = [{ text: "z", values: scans.z, colour: "--path" }];
+      if (scans.referenceZ) heights.unshift({ text: "ground truth", values: scans.referenceZ, colour: "--truth" });
+      lineChart("height", "Height", "m", 130, heights, false);
     }
+    const counts = [{ text: "to match", values: scans.points, colour: "--path" }];
+    if (scans.moving) counts.push({ text: "moving, left out", values: scans.moving, colour: "--odometry", dash: [5, 4] });
+    lineChart("points", "Planar points", "per scan", 120, counts, true);
     addTimeChart();
     const mode = byId("x-mode");
     for (const [name, { text }] of Object.entries(X_MODES)) mode.append(element("option", { value: name, text }));
