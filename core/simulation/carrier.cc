@@ -70,7 +70,9 @@ double Carrier::NominalDistance(double time) const {
 
 double Carrier::DistanceAt(double time) const {
   const double surge = kSurge / kSurgeFrequency * std::sin(kSurgeFrequency * time + surge_phase_);
-  return options_.speed * (NominalDistance(time) + SpeedShare(time) * surge);
+  // Squared, it comes and goes so slowly that the carrier never moves back.
+  const double share = SpeedShare(time);
+  return options_.speed * (NominalDistance(time) + share * share * surge);
 }
 
 Eigen::Isometry3d Carrier::PoseAt(double time) const {

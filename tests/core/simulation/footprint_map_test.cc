@@ -47,8 +47,11 @@ TEST(FootprintMapTest, AConeOccupiesTheDiscOfItsBase) {
       const uint8_t cell = map.occupancy[static_cast<size_t>(row) * 61u + static_cast<size_t>(column)];
       const bool is_surely_in = Touches(map, column, row, base.head<2>(), 0.2 - 0.001);
       const bool is_surely_out = !Touches(map, column, row, base.head<2>(), 0.2 + 0.003);
-      if (is_surely_in) ASSERT_EQ(cell, 100) << row << " " << column;
-      if (is_surely_out) ASSERT_EQ(cell, 0) << row << " " << column;
+      if (is_surely_in) {
+        ASSERT_EQ(cell, 100) << row << " " << column;
+      } else if (is_surely_out) {
+        ASSERT_EQ(cell, 0) << row << " " << column;
+      }
       occupied += cell == 100 ? 1 : 0;
     }
   }

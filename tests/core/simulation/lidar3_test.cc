@@ -129,7 +129,7 @@ TEST(Lidar3Test, LeavesLetThroughWhatBeersLawSays) {
     Random random(seed);
     const LidarSweep sweep = lidar.Measure([](double) { return At(0.0, 0.0, 1.0); }, 0.0, &random);
     for (const Eigen::Vector3f& point : sweep.points) {
-      if (std::abs(point.y()) > 0.2f) continue;
+      if (point.x() < 0.0f || std::abs(point.y()) > 0.025f * point.x()) continue;
       if (point.x() > 7.0f) {
         ++behind;
       } else {
