@@ -62,7 +62,7 @@ void WriteRecording(const SimulatedRun& run, const std::filesystem::path& folder
   std::string controls = "stamp,forward_velocity,lateral_velocity,yaw_rate\n";
   for (size_t i = 0; i < run.NumScans(); ++i) {
     stamps += Line("%.9f\n", run.Start(i));
-    const PlanarVelocity velocity = run.Control(i);
+    const OdometryVelocity velocity = run.Control(i);
     controls += Line("%.9f,%.6f,%.6f,%.6f\n", run.Middle(i), velocity.forward, velocity.left, velocity.yaw);
   }
   WriteFileAtomically((folder / "timestamps.txt").string(), stamps);

@@ -49,7 +49,7 @@ std::string CarrierOptions::Validate() const {
   return "";
 }
 
-Carrier::Carrier(const CarrierOptions& options, const ClosedPath& path, const Terrain* terrain, uint64_t seed)
+Carrier::Carrier(const CarrierOptions& options, const ClosedPath& path, const UnevenGround* terrain, uint64_t seed)
     : options_(options),
       path_(path, 0.5 * options.turn_radius, options.wander, seed),
       terrain_(terrain),
@@ -100,7 +100,7 @@ Eigen::Isometry3d Carrier::PoseAt(double time) const {
   return pose;
 }
 
-PlanarVelocity Carrier::VelocityAt(double time) const {
+OdometryVelocity Carrier::VelocityAt(double time) const {
   const SE2 before = path_.At(DistanceAt(time - kDifference));
   const SE2 after = path_.At(DistanceAt(time + kDifference));
   const SE2 here = path_.At(DistanceAt(time));

@@ -9,11 +9,11 @@ namespace arborslam {
 namespace {
 
 World3 FlatWorld() {
-  TerrainOptions options;
+  UnevenGroundOptions options;
   options.undulation = 0.0;
   options.bumps = 0.0;
   options.grass_height = 0.0;
-  return {Terrain(options, 1, {-20.0, -20.0}, {20.0, 20.0}), {}, {}, {}};
+  return {UnevenGround(options, 1, {-20.0, -20.0}, {20.0, 20.0}), {}, {}, {}};
 }
 
 // Whether the square of the cell touches a disc.

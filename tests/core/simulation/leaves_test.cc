@@ -61,7 +61,8 @@ TEST(LeavesTest, PassageAgreesWithBruteForceSampling) {
     leaves.extent = {random.Uniform(0.1, 2.0), random.Uniform(0.1, 2.0), random.Uniform(0.1, 2.0)};
     leaves.yaw = random.Uniform(-kPi, kPi);
     const Eigen::Vector3d origin(random.Uniform(-4.0, 4.0), random.Uniform(-4.0, 4.0), random.Uniform(-4.0, 4.0));
-    const Eigen::Vector3d aim = leaves.center + Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian());
+    const Eigen::Vector3d aim =
+        leaves.center + Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian());
     const Eigen::Vector3d direction = (aim - origin).normalized();
     const Passage passage = PassageThrough(leaves, origin, direction);
     hits += passage.entry < passage.exit ? 1 : 0;

@@ -23,11 +23,11 @@ Lidar3Options Exact() {
 }
 
 World3 FlatWorld() {
-  TerrainOptions options;
+  UnevenGroundOptions options;
   options.undulation = 0.0;
   options.bumps = 0.0;
   options.grass_height = 0.0;
-  return {Terrain(options, 1, {-120.0, -120.0}, {120.0, 120.0}), {}, {}, {}};
+  return {UnevenGround(options, 1, {-120.0, -120.0}, {120.0, 120.0}), {}, {}, {}};
 }
 
 Eigen::Isometry3d At(double x, double y, double z, double yaw = 0.0, double pitch = 0.0, double roll = 0.0) {
