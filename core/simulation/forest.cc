@@ -93,7 +93,7 @@ std::string ForestOptions::Validate() const {
 Scene MakeForest(const ForestOptions& options) {
   Random path_random(static_cast<uint64_t>(options.run.seed), kPath);
   const ClosedPath path = FigureOfEight(options.path_length, options.run.carrier.turn_radius, &path_random);
-  Scene scene{path, {TerrainAround(path, options.run), {}, {}, {}}};
+  Scene scene{path, {GroundAround(path, options.run), {}, {}, {}}};
   World3& world = scene.world;
   Random random(static_cast<uint64_t>(options.run.seed), kPlants);
   const PathPoints points(path);
