@@ -14,12 +14,15 @@
 #include <system_error>
 #include <thread>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "apps/common/program.h"
 #include "apps/common/progress_bar.h"
+#include "apps/offline/cloud.h"
 #include "apps/offline/html_report.h"
 #include "apps/offline/map_picture.h"
+#include "apps/offline/offline_options.h"
 #include "apps/offline/summary.h"
 #include "backend/slam.h"
 #include "core/config/config_schema.h"
@@ -27,9 +30,11 @@
 #include "core/io/atomic_file.h"
 #include "core/io/g2o.h"
 #include "core/io/map_io.h"
+#include "core/io/ply.h"
 #include "core/io/png.h"
 #include "core/io/scan_source.h"
 #include "core/io/trajectory_io.h"
+#include "core/map/height_colours.h"
 #include "core/stopwatch.h"
 
 DEFINE_string(input, "", "recording to process");
@@ -50,7 +55,8 @@ constexpr char kUsage[] =
 Smooths a recorded run: matches every scan, closes loops, and writes the trajectory and the map into DIR. The same input
 and options give the same results, bit by bit, for any number of threads.
 
-  --input PATH           recording: a .npz file with scan0 (N x B ranges [m]) and time (N stamps [s])
+  --input PATH           recording: a folder of 3D sweeps (KITTI .bin, .pcd or .ply, with timestamps.txt or times.txt),
+                         or a .npz file of planar scans: scan0 (N x B ranges [m]) and time (N stamps [s])
   --output DIR           created if it does not exist
   --config FILE.yaml     options; config/default.yaml lists them all
   --set SECTION.KEY=VALUE ...
@@ -63,18 +69,19 @@ and options give the same results, bit by bit, for any number of threads.
   --help, --version
 
 Writes trajectory.tum (optimised pose of every scan used), odometry.tum (the causal estimate, as known when the scan came),
-map.pgm + map.yaml (ROS map_server), map.png, graph.g2o, summary.json (counts, rejected scans with reasons, loops, times,
+map.pgm + map.yaml (ROS map_server), map.png, cloud.ply (3D map, from 3D sweeps), graph.g2o, summary.json (counts, rejected scans with reasons, loops, times,
 memory, errors), report.html (all of this for the browser, in one file) and effective_config.yaml. A pose's stamp is the
-middle of its sweep. Ctrl-C ends the reading early and keeps what there is (exit code 130), a second one ends the program
-at once.
+middle of its sweep. Ctrl-C ends the reading early and keeps what there is (exit code 130), but makes no 3D map; a second
+one ends the program at once.
 )";
 
 // After an interruption the exit code is this and the signal's number, as shells have it.
 constexpr int kExitSignalled = 128;
 
-constexpr std::array<const char*, 9> kResultFiles = {"trajectory.tum", "odometry.tum", "map.yaml",
-                                                     "map.pgm",        "map.png",      "graph.g2o",
-                                                     "summary.json",   "report.html",  "effective_config.yaml"};
+constexpr char kCloudFile[] = "cloud.ply";
+constexpr std::array<const char*, 10> kResultFiles = {
+    "trajectory.tum", "odometry.tum", "map.yaml",     "map.pgm",     "map.png",
+    kCloudFile,       "graph.g2o",    "summary.json", "report.html", "effective_config.yaml"};
 
 // The signal that asks for an early end, or 0. A handler can reach nothing else.
 volatile std::sig_atomic_t g_signal = 0;
@@ -127,20 +134,23 @@ StampedPose3 ToStampedPose3(const ScanResult& result) {
   return {result.stamp, T_odom_lidar.translation(), Eigen::Quaterniond(T_odom_lidar.linear()).normalized()};
 }
 
-// Feeds the recording to `slam`; fills the record's scans and the causal trajectory.
-void Track(ScanSource* source, Slam* slam, RunRecord* record, Trajectory3* odometry) {
+// Feeds the recording to `slam`; fills the record's scans and the causal trajectory. True if the scans are in space.
+bool Track(ScanSource* source, Slam* slam, RunRecord* record, Trajectory3* odometry) {
   std::optional<size_t> total = source->NumScans();
   if (total && FLAGS_max_scans > 0) total = std::min(*total, static_cast<size_t>(FLAGS_max_scans));
   ProgressBar progress(std::cerr, total, StderrIsTerminal() && !FLAGS_quiet);
+  bool has_sweeps = false;
   while (g_signal == 0 && (FLAGS_max_scans == 0 || record->scans.size() < static_cast<size_t>(FLAGS_max_scans))) {
     const std::optional<Scan> scan = source->Next();
     if (!scan) break;
+    has_sweeps = std::holds_alternative<LidarSweep>(*scan);
     record->scans.push_back(std::visit([slam](const auto& any) { return slam->AddScan(any); }, *scan));
     const ScanResult& result = record->scans.back();
     if (result.status != ScanStatus::kSkipped) odometry->poses.push_back(ToStampedPose3(result));
     progress.Update(record->scans.size());
   }
   record->is_interrupted = g_signal != 0;
+  return has_sweeps;
 }
 
 void RequireKeyframes(const Slam& slam, const RunRecord& record) {
@@ -199,14 +209,51 @@ std::vector<ScoreGate> ScoreGates(const SlamOptions& options) {
           {options.matcher.max_score, "rejected (matcher.max_score)"}};
 }
 
+// Makes the 3D map of a recording of sweeps and fills its record; without one, says why in the record's notices.
+std::vector<Eigen::Vector3f> MakeCloud(const Slam& slam, const OfflineOptions& options, RunRecord* record) {
+  std::string problem;
+  Stopwatch stopwatch;
+  try {
+    ProgressBar progress(std::cerr, record->scans.size(), StderrIsTerminal() && !FLAGS_quiet);
+    Cloud cloud;
+    cloud.is_whole = g_signal == 0;
+    if (cloud.is_whole) {
+      cloud = BuildCloud(OpenScanSource(FLAGS_input, options.input).get(), record->scans, slam.OptimizedTrajectory3(),
+                         options.cloud, options.slam.reduction.deskew, [&progress](size_t num_read) {
+                           progress.Update(num_read);
+                           return g_signal == 0;
+                         });
+    }
+    record->cloud_ms = stopwatch.Lap();
+    if (cloud.is_whole && !cloud.points.empty()) {
+      record->cloud = CloudRecord{cloud.num_sweeps, cloud.points.size(), cloud.voxel_size};
+      return std::move(cloud.points);
+    }
+    problem = cloud.is_whole ? "no place was seen in as many sweeps as cloud.min_sweeps asks for" : "interrupted";
+  } catch (const UserError& error) {
+    problem = error.what();
+  }
+  record->notices.push_back("No 3D map: " + problem + ".");
+  if (!FLAGS_quiet) std::cerr << "note: " << record->notices.back() << "\n";
+  return {};
+}
+
 void WriteResults(const std::filesystem::path& folder, const SlamOptions& options, const Slam& slam,
-                  const Trajectory3& odometry, const RunRecord& record, const std::string& effective_config) {
+                  const Trajectory3& odometry, const std::vector<Eigen::Vector3f>& cloud, const RunRecord& record,
+                  const std::string& effective_config) {
   const Trajectory3 trajectory = slam.OptimizedTrajectory3();
   const GridImage map = ToGridImage(slam.BuildMap());
   WriteTum((folder / "trajectory.tum").string(), trajectory);
   WriteTum((folder / "odometry.tum").string(), odometry);
   WriteMapServer((folder / "map.yaml").string(), map);
   WritePng((folder / "map.png").string(), DrawMap(map, slam.OptimizedTrajectory()));
+  if (cloud.empty()) {
+    // An earlier run's would be taken for this one's.
+    std::error_code error;
+    std::filesystem::remove(folder / kCloudFile, error);
+  } else {
+    WritePly((folder / kCloudFile).string(), cloud, ColourByHeight(cloud));
+  }
   WriteG2o((folder / "graph.g2o").string(), ToG2o(slam));
   WriteFileAtomically((folder / "effective_config.yaml").string(), effective_config);
   WriteFileAtomically((folder / "summary.json").string(), SummaryJson(record));
@@ -216,10 +263,8 @@ void WriteResults(const std::filesystem::path& folder, const SlamOptions& option
 
 int Run(const MultiFlags& multi_flags) {
   CheckFlags();
-  SlamOptions options;
-  SweepFolderOptions input_options;
+  OfflineOptions options;
   ConfigSchema schema;
-  schema.AddSection("input", &input_options);
   options.VisitSections([&schema](const std::string& name, auto& section) { schema.AddSection(name, &section); });
   if (!FLAGS_config.empty()) schema.LoadYamlFile(FLAGS_config);
   for (const std::string& assignment : multi_flags.at("set")) schema.ApplyOverride(assignment);
@@ -227,7 +272,7 @@ int Run(const MultiFlags& multi_flags) {
 
   std::optional<Trajectory3> reference;
   if (!FLAGS_ground_truth.empty()) reference = ReadTrajectory(FLAGS_ground_truth);
-  const std::unique_ptr<ScanSource> source = OpenScanSource(FLAGS_input, input_options);
+  const std::unique_ptr<ScanSource> source = OpenScanSource(FLAGS_input, options.input);
   const std::filesystem::path folder = PrepareOutput();
 
   RunRecord record;
@@ -242,12 +287,14 @@ int Run(const MultiFlags& multi_flags) {
   std::signal(SIGINT, &OnSignal);
   std::signal(SIGTERM, &OnSignal);
   Stopwatch stopwatch;
-  Slam slam(options, record.num_threads);
+  Slam slam(options.slam, record.num_threads);
   Trajectory3 odometry;
-  Track(source.get(), &slam, &record, &odometry);
+  const bool has_sweeps = Track(source.get(), &slam, &record, &odometry);
   RequireKeyframes(slam, record);
   record.finish = slam.Finish(FLAGS_odometry_only);
   record.num_submaps = slam.submaps().size();
+  std::vector<Eigen::Vector3f> cloud;
+  if (has_sweeps && options.cloud.enabled) cloud = MakeCloud(slam, options, &record);
   record.wall_seconds = stopwatch.Lap() / 1000.0;
   std::string reference_problem;
   if (reference) reference_problem = EvaluateRun(slam.OptimizedTrajectory3(), odometry, *reference, &record);
@@ -255,11 +302,15 @@ int Run(const MultiFlags& multi_flags) {
   // Writing takes moments, and an end amid them would leave temporary files.
   std::signal(SIGINT, SIG_IGN);
   std::signal(SIGTERM, SIG_IGN);
-  WriteResults(folder, options, slam, odometry, record, schema.ToYaml());
+  WriteResults(folder, options.slam, slam, odometry, cloud, record, schema.ToYaml());
   if (!FLAGS_quiet) std::cout << SummaryText(record) << "results in " << folder.string() << "\n" << std::flush;
   if (record.is_interrupted) {
     std::cerr << "arborslam_offline: interrupted after " << record.scans.size() << " scans; the results in "
               << folder.string() << " cover these\n";
+    return kExitSignalled + g_signal;
+  }
+  if (g_signal != 0 && has_sweeps && options.cloud.enabled && !record.cloud) {
+    std::cerr << "arborslam_offline: interrupted; the results in " << folder.string() << " lack the 3D map\n";
     return kExitSignalled + g_signal;
   }
   if (!reference_problem.empty()) {
