@@ -3,44 +3,40 @@
 
 #include <Eigen/Core>
 #include <cstddef>
-#include <functional>
 #include <vector>
 
-#include "backend/slam.h"
-#include "core/io/scan_source.h"
+#include "apps/offline/second_pass.h"
 #include "core/map/cloud_options.h"
-#include "core/sensor/trajectory3.h"
-#include "frontend/projection/deskew.h"
+#include "core/map/voxel_map.h"
 
 namespace arborslam {
 
-/// How the lidar moved around pose `index` of `trajectory` (T_map_lidar), by the poses before and after it. Where these
-/// are more than 0.15 s away it is taken to have moved level and turned about the vertical only: a stride is over by
-/// then.
-SweepMotion MotionAt(const Trajectory3& trajectory, size_t index);
+/// The 3D map: sweeps, deskewed, at their final poses.
+class Cloud {
+ public:
+  /// @param options valid ones.
+  /// @param deskew  whether the motion during a sweep is taken out.
+  Cloud(const CloudOptions& options, bool deskew);
 
-/// True for a scan that the 3D map takes: with `every_nth_sweep` = 0 those of clean keyframes, else every so many of
-/// the matched ones.
-/// @param num_matched scans before it that were matched.
-bool IsInCloud(const ScanResult& scan, size_t num_matched, const CloudOptions& options);
+  /// Takes a matched sweep if the options want it: those of clean keyframes, or every so many.
+  void Add(const PosedSweep& sweep);
 
-/// A 3D map.
-struct Cloud {
-  std::vector<Eigen::Vector3f> points;  ///< [m], map frame.
-  size_t num_sweeps = 0;                ///< That it was made of.
-  double voxel_size = 0.0;              ///< [m], above the one asked for if the map was too large.
-  bool is_whole = true;                 ///< False: it was given up.
+  /// Points [m, map frame] that enough sweeps met.
+  std::vector<Eigen::Vector3f> Points() const { return map_.Points(options_.min_sweeps); }
+
+  size_t num_sweeps() const { return num_sweeps_; }
+  /// [m], above the one asked for if the map became too large.
+  double voxel_size() const { return map_.voxel_size(); }
+
+ private:
+  CloudOptions options_;
+  bool deskew_;
+  VoxelMap map_;
+  size_t num_sweeps_ = 0;
+  // Of one sweep; their memory is used again.
+  std::vector<float> phases_;
+  std::vector<Eigen::Vector3f> points_;
 };
-
-/// Makes the 3D map: reads a recording once more and places its sweeps, deskewed, at their final poses.
-/// @param source     the recording, from its beginning.
-/// @param scans      what became of its first scans, in their order; none beyond the last of these is read.
-/// @param trajectory T_map_lidar of those of them that were not skipped.
-/// @param deskew     whether the motion during a sweep is taken out.
-/// @param go_on      called with the number of sweeps read so far; false: give up.
-/// Throws `UserError` when the recording is damaged or is not that of `scans` (any more).
-Cloud BuildCloud(ScanSource* source, const std::vector<ScanResult>& scans, const Trajectory3& trajectory,
-                 const CloudOptions& options, bool deskew, const std::function<bool(size_t)>& go_on);
 
 }  // namespace arborslam
 

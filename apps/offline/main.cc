@@ -20,9 +20,11 @@
 #include "apps/common/program.h"
 #include "apps/common/progress_bar.h"
 #include "apps/offline/cloud.h"
+#include "apps/offline/footprints.h"
 #include "apps/offline/html_report.h"
 #include "apps/offline/map_picture.h"
 #include "apps/offline/offline_options.h"
+#include "apps/offline/second_pass.h"
 #include "apps/offline/summary.h"
 #include "backend/slam.h"
 #include "core/config/config_schema.h"
@@ -209,55 +211,78 @@ std::vector<ScoreGate> ScoreGates(const SlamOptions& options) {
           {options.matcher.max_score, "rejected (matcher.max_score)"}};
 }
 
-// Makes the 3D map of a recording of sweeps and fills its record; without one, says why in the record's notices.
-std::vector<Eigen::Vector3f> MakeCloud(const Slam& slam, const OfflineOptions& options, RunRecord* record) {
-  std::string problem;
+// What comes of the run besides trajectories.
+struct Maps {
+  GridImage plane;
+  std::vector<Eigen::Vector3f> cloud;  // Empty if there is none.
+};
+
+// Reads a recording of sweeps again for the maps that need all of their points. What it cannot make is left as it is,
+// and why goes to the record's notices: a run is not to be lost for it.
+void RefineMaps(const Slam& slam, const OfflineOptions& options, RunRecord* record, Maps* maps) {
+  std::optional<Cloud> cloud;
+  if (options.cloud.enabled) cloud.emplace(options.cloud, options.slam.reduction.deskew);
+  std::optional<Footprints> footprints;
+  if (options.map.resolution > 0.0 && options.map.resolution < options.slam.grid.cell_size) {
+    footprints.emplace(maps->plane, options.map, options.slam);
+  }
+  if (!cloud && !footprints) return;
   Stopwatch stopwatch;
+  std::string problem;
   try {
     ProgressBar progress(std::cerr, record->scans.size(), StderrIsTerminal() && !FLAGS_quiet);
-    Cloud cloud;
-    cloud.is_whole = g_signal == 0;
-    if (cloud.is_whole) {
-      cloud = BuildCloud(OpenScanSource(FLAGS_input, options.input).get(), record->scans, slam.OptimizedTrajectory3(),
-                         options.cloud, options.slam.reduction.deskew, [&progress](size_t num_read) {
-                           progress.Update(num_read);
-                           return g_signal == 0;
-                         });
+    const bool is_whole = g_signal == 0 && VisitMatchedSweeps(
+                                               OpenScanSource(FLAGS_input, options.input).get(), record->scans,
+                                               slam.OptimizedTrajectory3(),
+                                               [&](const PosedSweep& sweep) {
+                                                 if (cloud) cloud->Add(sweep);
+                                                 if (footprints) footprints->Add(sweep);
+                                               },
+                                               [&progress](size_t num_read) {
+                                                 progress.Update(num_read);
+                                                 return g_signal == 0;
+                                               });
+    if (is_whole) {
+      if (footprints) maps->plane = footprints->Image();
+      if (cloud) maps->cloud = cloud->Points();
+    } else {
+      problem = "interrupted";
+      record->maps_are_whole = false;
     }
-    record->cloud_ms = stopwatch.Lap();
-    if (cloud.is_whole && !cloud.points.empty()) {
-      record->cloud = CloudRecord{cloud.num_sweeps, cloud.points.size(), cloud.voxel_size};
-      return std::move(cloud.points);
-    }
-    problem = cloud.is_whole ? "no place was seen in as many sweeps as cloud.min_sweeps asks for" : "interrupted";
   } catch (const UserError& error) {
     problem = error.what();
   }
-  record->notices.push_back("No 3D map: " + problem + ".");
+  record->maps_ms = stopwatch.Lap();
+  if (!maps->cloud.empty()) {
+    record->cloud = CloudRecord{cloud->num_sweeps(), maps->cloud.size(), cloud->voxel_size()};
+  } else if (cloud && problem.empty()) {
+    problem = "no place was met by as many sweeps as cloud.min_sweeps asks for";
+  }
+  if (problem.empty()) return;
+  record->notices.push_back((cloud ? "No 3D map" : "The map is coarser than map.resolution") + (": " + problem) + ".");
   if (!FLAGS_quiet) std::cerr << "note: " << record->notices.back() << "\n";
-  return {};
 }
 
 void WriteResults(const std::filesystem::path& folder, const SlamOptions& options, const Slam& slam,
-                  const Trajectory3& odometry, const std::vector<Eigen::Vector3f>& cloud, const RunRecord& record,
+                  const Trajectory3& odometry, const Maps& maps, const RunRecord& record,
                   const std::string& effective_config) {
   const Trajectory3 trajectory = slam.OptimizedTrajectory3();
-  const GridImage map = ToGridImage(slam.BuildMap());
   WriteTum((folder / "trajectory.tum").string(), trajectory);
   WriteTum((folder / "odometry.tum").string(), odometry);
-  WriteMapServer((folder / "map.yaml").string(), map);
-  WritePng((folder / "map.png").string(), DrawMap(map, slam.OptimizedTrajectory()));
-  if (cloud.empty()) {
+  WriteMapServer((folder / "map.yaml").string(), maps.plane);
+  WritePng((folder / "map.png").string(), DrawMap(maps.plane, slam.OptimizedTrajectory()));
+  if (maps.cloud.empty()) {
     // An earlier run's would be taken for this one's.
     std::error_code error;
     std::filesystem::remove(folder / kCloudFile, error);
   } else {
-    WritePly((folder / kCloudFile).string(), cloud, ColourByHeight(cloud));
+    WritePly((folder / kCloudFile).string(), maps.cloud, ColourByHeight(maps.cloud));
   }
   WriteG2o((folder / "graph.g2o").string(), ToG2o(slam));
   WriteFileAtomically((folder / "effective_config.yaml").string(), effective_config);
   WriteFileAtomically((folder / "summary.json").string(), SummaryJson(record));
-  const ReportInput report{record, slam.submaps(), effective_config, &map, trajectory, odometry, ScoreGates(options)};
+  const ReportInput report{record,     slam.submaps(), effective_config,   &maps.plane,
+                           trajectory, odometry,       ScoreGates(options)};
   WriteFileAtomically((folder / "report.html").string(), HtmlReport(report));
 }
 
@@ -293,8 +318,13 @@ int Run(const MultiFlags& multi_flags) {
   RequireKeyframes(slam, record);
   record.finish = slam.Finish(FLAGS_odometry_only);
   record.num_submaps = slam.submaps().size();
-  std::vector<Eigen::Vector3f> cloud;
-  if (has_sweeps && options.cloud.enabled) cloud = MakeCloud(slam, options, &record);
+  Maps maps;
+  if (has_sweeps) {
+    maps.plane = ToGridImage(slam.BuildMap());
+    RefineMaps(slam, options, &record, &maps);
+  } else {
+    maps.plane = ToGridImage(slam.BuildMap(options.map.resolution));
+  }
   record.wall_seconds = stopwatch.Lap() / 1000.0;
   std::string reference_problem;
   if (reference) reference_problem = EvaluateRun(slam.OptimizedTrajectory3(), odometry, *reference, &record);
@@ -302,15 +332,15 @@ int Run(const MultiFlags& multi_flags) {
   // Writing takes moments, and an end amid them would leave temporary files.
   std::signal(SIGINT, SIG_IGN);
   std::signal(SIGTERM, SIG_IGN);
-  WriteResults(folder, options.slam, slam, odometry, cloud, record, schema.ToYaml());
+  WriteResults(folder, options.slam, slam, odometry, maps, record, schema.ToYaml());
   if (!FLAGS_quiet) std::cout << SummaryText(record) << "results in " << folder.string() << "\n" << std::flush;
   if (record.is_interrupted) {
     std::cerr << "arborslam_offline: interrupted after " << record.scans.size() << " scans; the results in "
               << folder.string() << " cover these\n";
     return kExitSignalled + g_signal;
   }
-  if (g_signal != 0 && has_sweeps && options.cloud.enabled && !record.cloud) {
-    std::cerr << "arborslam_offline: interrupted; the results in " << folder.string() << " lack the 3D map\n";
+  if (!record.maps_are_whole) {
+    std::cerr << "arborslam_offline: interrupted; the maps in " << folder.string() << " are not whole\n";
     return kExitSignalled + g_signal;
   }
   if (!reference_problem.empty()) {

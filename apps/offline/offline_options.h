@@ -4,6 +4,7 @@
 #include "backend/slam_options.h"
 #include "core/io/sweep_folder_options.h"
 #include "core/map/cloud_options.h"
+#include "core/map/fine_map.h"
 
 namespace arborslam {
 
@@ -11,6 +12,7 @@ namespace arborslam {
 struct OfflineOptions {
   SweepFolderOptions input;
   SlamOptions slam;
+  FineMapOptions map;
   CloudOptions cloud;
 
   /// Calls `visit(name, options)` for every section, in the order of the pipeline.
@@ -18,6 +20,7 @@ struct OfflineOptions {
   void VisitSections(Visitor&& visit) {
     visit("input", input);
     slam.VisitSections(visit);
+    visit("map", map);
     visit("cloud", cloud);
   }
 };

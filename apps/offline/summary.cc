@@ -106,7 +106,7 @@ std::string SummaryJson(const RunRecord& record) {
   times["map_refinement"] = record.finish.refine_ms;
   times["optimization"] = record.finish.optimize_ms;
   times["terrain"] = record.finish.terrain_ms;
-  times["cloud"] = record.cloud_ms;
+  times["second_pass"] = record.maps_ms;
   times["run"] = 1000.0 * record.wall_seconds;
   summary["time_ms"] = times;
   summary["peak_memory_mib"] = PeakMemoryMib();
@@ -130,12 +130,12 @@ std::string SummaryText(const RunRecord& record) {
       text, sizeof(text),
       "%zu scans: %zu matched (%zu of them too spoilt for the map), %zu rejected (%.1f %%), %zu skipped\n"
       "%zu submaps, %zu of %zu loops accepted\n"
-      "time per scan: median %.2f ms, p95 %.2f ms; loops and optimisation %.2f s; 3D map %.2f s; whole run %.2f "
+      "time per scan: median %.2f ms, p95 %.2f ms; loops and optimisation %.2f s; maps %.2f s; whole run %.2f "
       "s\n"
       "peak memory %.0f MiB\n",
       record.scans.size(), counts.matched, counts.spoilt, counts.rejected, share, counts.skipped, record.num_submaps,
       counts.loops_accepted, record.finish.loops.size(), Percentile(totals, 0.5), Percentile(totals, 0.95),
-      (record.finish.loop_ms + record.finish.optimize_ms + record.finish.refine_ms) / 1000.0, record.cloud_ms / 1000.0,
+      (record.finish.loop_ms + record.finish.optimize_ms + record.finish.refine_ms) / 1000.0, record.maps_ms / 1000.0,
       record.wall_seconds, PeakMemoryMib());
   std::string result = text;
   if (record.errors) {

@@ -34,7 +34,8 @@ struct RunRecord {
   std::vector<ScanResult> scans;     ///< In the order of the file.
   FinishResult finish;
   std::optional<CloudRecord> cloud;  ///< None if none was made.
-  double cloud_ms = 0.0;             ///< [ms], the second reading and all.
+  bool maps_are_whole = true;        ///< False: the second reading was interrupted.
+  double maps_ms = 0.0;              ///< [ms], the second reading and the maps made from it.
   size_t num_submaps = 0;
   double wall_seconds = 0.0;
   std::optional<RunErrors> errors;
