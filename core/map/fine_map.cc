@@ -15,7 +15,11 @@ namespace {
 constexpr uint8_t kOccupied = 65;  // [%], above this something stands there.
 // [m], around evidence: a cone is wider at its foot than where the evidence of it lies, the mean of its returns.
 constexpr double kReach = 0.15;
-constexpr double kBlur = 0.015;   // [m], standard deviation: somewhat less than the range noise of a usual lidar.
+constexpr double kBlur = 0.015;  // [m], standard deviation: somewhat less than the range noise of a usual lidar.
+// Of the highest density within this [m], sideways and ahead, that a cell must reach: what is thin and tall is hit so
+// often that the noise around it outweighs the ground.
+constexpr float kPeakShare = 0.06f;
+constexpr double kPeakReach = 0.07;
 constexpr float kFewHits = 0.3f;  // Of a density of 1, a return in every cell: less than this is noise.
 constexpr double kGap = 0.02;     // [m], to each side, that parts of one thing may lie apart.
 constexpr double kMaxCells = 5e8;
@@ -114,46 +118,63 @@ void FineMap::Count(const Eigen::Vector2d& position, Counts Tile::*counts) {
 FineMap::Densities FineMap::Smooth() const {
   const std::vector<float> bell = HalfBell(kBlur / options_.resolution);
   const int reach = static_cast<int>(bell.size()) - 1;
-  const int side = kTileCells + 2 * reach;
+  const int peak_reach = static_cast<int>(std::ceil(kPeakReach / options_.resolution));
+  const int margin = reach + peak_reach;
+  const int side = kTileCells + 2 * margin;
   const auto at = [side](int x, int y) {
     return static_cast<size_t>(y) * static_cast<size_t>(side) + static_cast<size_t>(x);
   };
-  std::vector<Density> raw(static_cast<size_t>(side) * static_cast<size_t>(side));
-  std::vector<Density> rows(raw.size());
+  // A tile and a margin around it: the counts, blurred along the rows, and blurred both ways.
+  std::vector<Density> counts(static_cast<size_t>(side) * static_cast<size_t>(side));
+  std::vector<Density> rows(counts.size());
+  std::vector<Density> blurred(counts.size());
+  const auto blur = [&bell, reach](const std::vector<Density>& from, size_t middle, size_t step) {
+    Density sum{bell[0] * from[middle].solid, bell[0] * from[middle].ground, 0.0f};
+    for (int i = 1; i <= reach; ++i) {
+      const size_t offset = static_cast<size_t>(i) * step;
+      const Density& before = from[middle - offset];
+      const Density& after = from[middle + offset];
+      sum.solid += bell[static_cast<size_t>(i)] * (before.solid + after.solid);
+      sum.ground += bell[static_cast<size_t>(i)] * (before.ground + after.ground);
+    }
+    return sum;
+  };
   Densities densities(tiles_.size());
   for (size_t t = 0; t < tiles_.size(); ++t) {
     if (tiles_[t] == nullptr) continue;
-    const int left = static_cast<int>(t % static_cast<size_t>(tiles_x_)) * kTileCells;
-    const int bottom = static_cast<int>(t / static_cast<size_t>(tiles_x_)) * kTileCells;
+    const int left = static_cast<int>(t % static_cast<size_t>(tiles_x_)) * kTileCells - margin;
+    const int bottom = static_cast<int>(t / static_cast<size_t>(tiles_x_)) * kTileCells - margin;
     for (int y = 0; y < side; ++y) {
       for (int x = 0; x < side; ++x) {
-        const int column = left + x - reach;
-        const int row = bottom + y - reach;
-        const Tile* tile = IsInside(column, row) ? tiles_[TileIndex(column, row)].get() : nullptr;
-        const size_t index = IndexInTile(column, row);
-        raw[at(x, y)] = tile == nullptr
-                            ? Density{}
-                            : Density{static_cast<float>(tile->solid[index]), static_cast<float>(tile->ground[index])};
+        Density& density = counts[at(x, y)];
+        density = {};
+        if (!IsInside(left + x, bottom + y)) continue;
+        const Tile* tile = tiles_[TileIndex(left + x, bottom + y)].get();
+        if (tile == nullptr) continue;
+        const size_t index = IndexInTile(left + x, bottom + y);
+        density = {static_cast<float>(tile->solid[index]), static_cast<float>(tile->ground[index]), 0.0f};
       }
     }
-    const auto blur = [&bell, reach](const std::vector<Density>& from, size_t middle, size_t step) {
-      Density sum{bell[0] * from[middle].solid, bell[0] * from[middle].ground};
-      for (int i = 1; i <= reach; ++i) {
-        const size_t offset = static_cast<size_t>(i) * step;
-        const Density& before = from[middle - offset];
-        const Density& after = from[middle + offset];
-        sum.solid += bell[static_cast<size_t>(i)] * (before.solid + after.solid);
-        sum.ground += bell[static_cast<size_t>(i)] * (before.ground + after.ground);
-      }
-      return sum;
-    };
     for (int y = 0; y < side; ++y) {
-      for (int x = reach; x < reach + kTileCells; ++x) rows[at(x, y)] = blur(raw, at(x, y), 1);
+      for (int x = reach; x < side - reach; ++x) rows[at(x, y)] = blur(counts, at(x, y), 1);
+    }
+    for (int y = reach; y < side - reach; ++y) {
+      for (int x = reach; x < side - reach; ++x) blurred[at(x, y)] = blur(rows, at(x, y), static_cast<size_t>(side));
+    }
+    // The highest of the surroundings, first of the column's, then of the columns beside it.
+    for (int y = margin; y < side - margin; ++y) {
+      for (int x = reach; x < side - reach; ++x) {
+        float& highest = rows[at(x, y)].solid;
+        highest = 0.0f;
+        for (int i = -peak_reach; i <= peak_reach; ++i) highest = std::max(highest, blurred[at(x, y + i)].solid);
+      }
     }
     densities[t] = std::make_unique<std::array<Density, kTileArea>>();
-    for (int y = 0; y < kTileCells; ++y) {
-      for (int x = 0; x < kTileCells; ++x) {
-        (*densities[t])[IndexInTile(x, y)] = blur(rows, at(x + reach, y + reach), static_cast<size_t>(side));
+    for (int y = margin; y < side - margin; ++y) {
+      for (int x = margin; x < side - margin; ++x) {
+        Density& density = (*densities[t])[IndexInTile(left + x, bottom + y)];
+        density = blurred[at(x, y)];
+        for (int i = -peak_reach; i <= peak_reach; ++i) density.peak = std::max(density.peak, rows[at(x + i, y)].solid);
       }
     }
   }
@@ -181,10 +202,12 @@ GridImage FineMap::Image() const {
       const Tile* tile = tiles_[TileIndex(x, y)].get();
       if (tile == nullptr || !tile->is_near[IndexInTile(x, y)]) continue;
       const Density density = DensityAt(densities, x, y);
-      if (value != GridImage::kUnknown && value > kOccupied) {
-        value = density.solid >= density.ground ? 100 : 0;
-      } else if (density.solid > density.ground && density.solid >= kFewHits) {
+      if (density.peak < kFewHits && density.ground < kFewHits) {
+        if (value != GridImage::kUnknown && value > kOccupied) value = 100;
+      } else if (density.solid > density.ground && density.solid >= std::max(kFewHits, kPeakShare * density.peak)) {
         value = 100;
+      } else if (value != GridImage::kUnknown && value > kOccupied) {
+        value = 0;
       }
     }
   }

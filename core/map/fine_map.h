@@ -66,10 +66,11 @@ class FineMap {
     int x;
     int y;
   };
-  // What was counted in a cell and, by distance, around it.
+  // What was counted in a cell and, the less the farther, around it.
   struct Density {
     float solid = 0.0f;
     float ground = 0.0f;
+    float peak = 0.0f;  // Of `solid`, of all cells around.
   };
   using Densities = std::vector<std::unique_ptr<std::array<Density, kTileArea>>>;  // One a tile.
 
