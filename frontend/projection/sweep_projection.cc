@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <limits>
 
 #include "core/config/validation.h"
@@ -18,6 +19,12 @@ constexpr int kRangeSteps = 64;
 constexpr float kLowObject = 0.4f;    // [m], the lowest thing that is mapped.
 constexpr float kBlindRange = 2.5f;   // [m], from here on at the latest must the ground be in sight.
 constexpr float kFreeMargin = 0.15f;  // [m], before a planar point.
+constexpr size_t kLayers = 8;
+constexpr float kLayerHeight = 0.5f;      // [m], how far over one another returns are looked at together.
+constexpr float kRangeTolerance = 0.05f;  // [m], between returns from a solid thing, plus a column's width.
+constexpr float kMinSolidity = 0.4f;
+constexpr size_t kMinPoints = 200;
+constexpr size_t kMaxPoints = 1000;
 constexpr float kPiF = 3.14159265f;
 
 }  // namespace
@@ -54,6 +61,25 @@ double MinHeightLikelihood(double mean_canopy_height) { return 0.5 * kLn2 / mean
 
 SweepProjection::SweepProjection(const SweepProjectionOptions& options) : options_(options) {}
 
+float SweepProjection::Solidity(const Cluster& cluster, size_t num_columns, float tolerance) const {
+  // Of the bins of the columns before, of this and after it: returns, and those at the cluster's range.
+  float all[3] = {0.0f, 0.0f, 0.0f};
+  float near[3] = {0.0f, 0.0f, 0.0f};
+  const size_t column = cluster.bin % num_columns;
+  for (size_t k = 0; k < 3; ++k) {
+    if ((k == 0 && column == 0) || (k == 2 && column + 1 == num_columns)) continue;
+    const size_t bin = cluster.bin + k - 1;
+    for (size_t i = bin == 0 ? 0 : bin_ends_[bin - 1]; i < bin_ends_[bin]; ++i) {
+      all[k] += 1.0f;
+      near[k] += std::abs(sorted_[i].range - cluster.range) <= tolerance ? 1.0f : 0.0f;
+    }
+  }
+  const auto score = [](float n, float of) { return (n - 1.0f) / (of + 1.0f); };
+  return std::max({score(near[1], all[1]), score(near[0] + near[1], all[0] + all[1]),
+                   score(near[1] + near[2], all[1] + all[2]),
+                   score(near[0] + near[1] + near[2], all[0] + all[1] + all[2])});
+}
+
 PlanarScan SweepProjection::Project(const Input& input, const Eigen::Matrix3f& R_base_lidar) {
   const std::vector<Eigen::Vector3f>& points = *input.points;
   const std::vector<float>& heights = *input.heights;
@@ -72,7 +98,7 @@ PlanarScan SweepProjection::Project(const Input& input, const Eigen::Matrix3f& R
   kept_.clear();
   seen_.assign(kSectors, 0);
   nearest_.assign(kSectors, std::numeric_limits<float>::infinity());
-  column_ends_.assign(num_columns + 1, 0);
+  bin_ends_.assign(kLayers * num_columns + 1, 0);
   for (size_t i = 0; i < points.size(); ++i) {
     const float height = heights[i];
     // Eq. 6 for the upper end: see MinHeightLikelihood.
@@ -96,63 +122,102 @@ PlanarScan SweepProjection::Project(const Input& input, const Eigen::Matrix3f& R
       }
     }
     if (height < ground_margin + ground_growth * range || range > max_range) continue;
-    nearest_[sector] = std::min(nearest_[sector], range);
-    const auto column = static_cast<uint32_t>((bearing + kPiF) * inverse_width);
-    ++column_ends_[column + 1];
-    kept_.push_back({p.x(), p.y(), range, column});
+    const auto column = static_cast<size_t>((bearing + kPiF) * inverse_width);
+    const auto layer = std::min(kLayers - 1, static_cast<size_t>(height * (1.0f / kLayerHeight)));
+    const auto bin = static_cast<uint32_t>(layer * num_columns + column);
+    ++bin_ends_[bin + 1];
+    kept_.push_back({p.x(), p.y(), range, bin});
   }
 
-  // Returns by column, then by range.
-  for (size_t c = 1; c < column_ends_.size(); ++c) column_ends_[c] += column_ends_[c - 1];
+  // Returns by bin, then by range; then bin_ends_[b] is where bin b ends.
+  for (size_t b = 1; b < bin_ends_.size(); ++b) bin_ends_[b] += bin_ends_[b - 1];
   sorted_.resize(kept_.size());
-  std::vector<uint32_t>& next = column_ends_;
-  for (const Return& r : kept_) sorted_[next[r.column]++] = r;
-  // Now column_ends_[c] is where column c ends.
+  for (const Return& r : kept_) sorted_[bin_ends_[r.bin]++] = r;
   const auto depth = static_cast<float>(options_.column_depth);
-  const auto spacing = static_cast<float>(options_.point_spacing);
   clusters_.clear();
-  open_.clear();
-  uint32_t begin = 0;
-  for (size_t c = 0; c < num_columns; ++c) {
-    const uint32_t end = column_ends_[c];
-    if (begin == end) continue;
+  for (uint32_t begin = 0; begin < sorted_.size();) {
+    const uint32_t bin = sorted_[begin].bin;
+    const uint32_t end = bin_ends_[bin];
     std::sort(sorted_.begin() + begin, sorted_.begin() + end,
               [](const Return& a, const Return& b) { return a.range < b.range; });
+    while (begin < end) {
+      Cluster cluster{Eigen::Vector2f::Zero(), 0.0f, 0.0f, 0.0f, bin};
+      const float first_range = sorted_[begin].range;
+      for (; begin < end && sorted_[begin].range <= first_range + depth; ++begin) {
+        cluster.sum += Eigen::Vector2f(sorted_[begin].x, sorted_[begin].y);
+        cluster.range += sorted_[begin].range;
+        cluster.weight += 1.0f;
+      }
+      cluster.range /= cluster.weight;
+      clusters_.push_back(cluster);
+    }
+  }
+  solidities_.clear();
+  for (Cluster& cluster : clusters_) {
+    cluster.solidity = Solidity(cluster, num_columns, kRangeTolerance + input.column_width * cluster.range);
+    solidities_.push_back(cluster.solidity);
+  }
+  float least = kMinSolidity;
+  const auto nth_highest = [this](size_t n) {
+    const auto nth = solidities_.begin() + static_cast<ptrdiff_t>(n);
+    std::nth_element(solidities_.begin(), nth, solidities_.end(), std::greater<float>());
+    return *nth;
+  };
+  if (solidities_.size() > kMaxPoints) least = std::max(least, nth_highest(kMaxPoints));
+  least = std::min(least, solidities_.size() > kMinPoints ? nth_highest(kMinPoints) : -1.0f);
+  solid_.clear();
+  for (Cluster& cluster : clusters_) {
+    if (cluster.solidity < least) continue;
+    cluster.bin %= static_cast<uint32_t>(num_columns);
+    solid_.push_back(cluster);
+  }
+  std::sort(solid_.begin(), solid_.end(),
+            [](const Cluster& a, const Cluster& b) { return a.bin != b.bin ? a.bin < b.bin : a.range < b.range; });
+
+  const auto spacing = static_cast<float>(options_.point_spacing);
+  points_.clear();
+  open_.clear();
+  for (size_t begin = 0; begin < solid_.size();) {
+    const uint32_t column = solid_[begin].bin;
     still_open_.clear();
-    for (uint32_t i = begin; i < end;) {
+    while (begin < solid_.size() && solid_[begin].bin == column) {
       Eigen::Vector2f sum = Eigen::Vector2f::Zero();
       float weight = 0.0f;
-      const float first_range = sorted_[i].range;
-      for (; i < end && sorted_[i].range <= first_range + depth; ++i) {
-        sum += Eigen::Vector2f(sorted_[i].x, sorted_[i].y);
-        weight += 1.0f;
+      const float first_range = solid_[begin].range;
+      for (; begin < solid_.size() && solid_[begin].bin == column && solid_[begin].range <= first_range + depth;
+           ++begin) {
+        sum += solid_[begin].sum;
+        weight += solid_[begin].weight;
       }
       const Eigen::Vector2f mean = sum / weight;
-      uint32_t joined = 0;
       const auto joins = std::find_if(open_.begin(), open_.end(), [&](uint32_t k) {
-        return clusters_[k].column + 1 >= c && (clusters_[k].first - mean).squaredNorm() < spacing * spacing;
+        return points_[k].column + 1 >= column && (points_[k].first - mean).squaredNorm() < spacing * spacing;
       });
+      uint32_t joined = 0;
       if (joins != open_.end()) {
         joined = *joins;
-        clusters_[joined].sum += sum;
-        clusters_[joined].weight += weight;
-        clusters_[joined].column = static_cast<uint32_t>(c);
+        points_[joined].sum += sum;
+        points_[joined].weight += weight;
+        points_[joined].column = column;
       } else {
-        joined = static_cast<uint32_t>(clusters_.size());
-        clusters_.push_back({sum, mean, weight, static_cast<uint32_t>(c)});
+        joined = static_cast<uint32_t>(points_.size());
+        points_.push_back({sum, mean, weight, column});
       }
       still_open_.push_back(joined);
     }
     std::swap(open_, still_open_);
-    begin = end;
   }
 
   PlanarScan scan;
-  scan.points.reserve(clusters_.size());
-  scan.weights.reserve(clusters_.size());
-  for (const Cluster& cluster : clusters_) {
-    scan.points.push_back(cluster.sum / cluster.weight);
-    scan.weights.push_back(cluster.weight);
+  scan.point_rays_are_free = false;
+  scan.points.reserve(points_.size());
+  scan.weights.reserve(points_.size());
+  for (const Point& point : points_) {
+    scan.points.push_back(point.sum / point.weight);
+    scan.weights.push_back(point.weight);
+    const Eigen::Vector2f& p = scan.points.back();
+    const auto sector = std::min(kSectors - 1, static_cast<size_t>((FastAtan2(p.y(), p.x()) + kPiF) * kInverseSector));
+    nearest_[sector] = std::min(nearest_[sector], p.norm());
   }
   for (size_t s = 0; s < kSectors; ++s) {
     uint64_t seen = seen_[s];

@@ -72,23 +72,38 @@ class SweepProjection {
     float x;
     float y;
     float range;
-    uint32_t column;
+    uint32_t bin;  // Layer by layer, column by column.
   };
+  // Returns of a bin at about one range.
   struct Cluster {
+    Eigen::Vector2f sum;
+    float range;   // [m], mean.
+    float weight;  // Number of returns.
+    float solidity;
+    uint32_t bin;
+  };
+  // Clusters of neighbouring columns that are one planar point.
+  struct Point {
     Eigen::Vector2f sum;
     Eigen::Vector2f first;
     float weight;
     uint32_t column;
   };
 
+  // How sure it is that `cluster` is something solid.
+  float Solidity(const Cluster& cluster, size_t num_columns, float tolerance) const;
+
   SweepProjectionOptions options_;
   std::vector<Return> kept_;
   std::vector<Return> sorted_;
-  std::vector<uint32_t> column_ends_;
+  std::vector<uint32_t> bin_ends_;
   std::vector<uint64_t> seen_;  // For each sector, the steps of range that were seen down to the ground.
   std::vector<float> nearest_;  // [m], planar point of each sector.
   std::vector<Cluster> clusters_;
-  std::vector<uint32_t> open_;  // Clusters that the last column made or went on with.
+  std::vector<float> solidities_;
+  std::vector<Cluster> solid_;
+  std::vector<Point> points_;
+  std::vector<uint32_t> open_;  // Points that the last column began or went on with.
   std::vector<uint32_t> still_open_;
 };
 
