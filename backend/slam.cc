@@ -6,7 +6,9 @@
 #include <utility>
 
 #include "backend/refine/map_refiner.h"
+#include "backend/terrain/terrain_smoother.h"
 #include "core/stopwatch.h"
+#include "frontend/tracking/terrain_fit.h"
 
 namespace arborslam {
 namespace {
@@ -21,6 +23,7 @@ Slam::Slam(const SlamOptions& options, int num_threads)
     : options_(options),
       num_threads_(num_threads),
       matcher_(options.matcher, options.mhd, options.refinement),
+      reducer_(options.reduction, options.sweep, options.dynamic, options.terrain.cell_size),
       tracker_(options.tracker, options.grid, options.matcher.max_distance, matcher_) {
   CHECK_GE(num_threads, 1);
 }
@@ -28,20 +31,51 @@ Slam::Slam(const SlamOptions& options, int num_threads)
 ScanResult Slam::AddScan(const LaserScan& scan) {
   ScanResult result;
   result.stamp = scan.stamp;
-  if (!scans_.empty() && scan.stamp <= scans_.back().stamp) {
-    result.reason = "stamp not after the scan before";
-    return result;
-  }
+  if (IsOutOfOrder(&result)) return result;
   Stopwatch stopwatch;
   const PlanarScan planar = ProjectLaserScan(scan, options_.projection);
   result.project_ms = stopwatch.Lap();
+  AddPlanarScan(planar, Predict(scan.stamp), &result);
+  return result;
+}
+
+ScanResult Slam::AddScan(const LidarSweep& sweep) {
+  ScanResult result;
+  result.stamp = sweep.Middle();
+  if (IsOutOfOrder(&result)) return result;
+  Stopwatch stopwatch;
+  const SE2 prediction = Predict(result.stamp);
+  ReducedSweep reduced = reducer_.Reduce(sweep, prediction, Velocity());
+  result.tilt = reduced.tilt;
+  result.has_ground = reduced.has_ground;
+  result.num_moving = reduced.num_moving;
+  result.project_ms = stopwatch.Lap();
+  AddPlanarScan(reduced.planar, prediction, &result);
+  if (result.status == ScanStatus::kSkipped) return result;
+  stopwatch.Lap();
+  reducer_.Commit(reduced, result.T_odom_base);
+  PosedScan& scan = scans_.back();
+  scan.tilt = reduced.tilt;
+  scan.local_tilt = reduced.local_tilt;
+  scan.ground = std::move(reduced.ground);
+  result.insert_ms += stopwatch.Lap();
+  return result;
+}
+
+bool Slam::IsOutOfOrder(ScanResult* result) const {
+  if (scans_.empty() || result->stamp > scans_.back().stamp) return false;
+  result->reason = "stamp not after the scan before";
+  return true;
+}
+
+void Slam::AddPlanarScan(const PlanarScan& planar, const SE2& prediction, ScanResult* result_out) {
+  ScanResult& result = *result_out;
+  Stopwatch stopwatch;
   const bool is_first = keyframes_.empty();
   if (is_first && static_cast<int>(planar.points.size()) < options_.matcher.min_points) {
     result.reason = ToString(MatchVerdict::kTooFewPoints);
-    return result;
+    return;
   }
-
-  const SE2 prediction = Predict(scan.stamp);
   const SE2 last_pose = is_first ? SE2() : WindowPose(scans_.back()).pose;
   const TrackingResult tracked = tracker_.Track(planar.points, last_pose, prediction);
   result.match = tracked.match;
@@ -52,22 +86,21 @@ ScanResult Slam::AddScan(const LaserScan& scan) {
 
   result.is_keyframe =
       is_first || tracker_.IsKeyframe({keyframes_.back().scan.stamp, graph_.Pose(keyframes_.back().id)},
-                                      {scan.stamp, tracked.match.pose});
+                                      {result.stamp, tracked.match.pose});
   if (!result.is_keyframe) {
     const KeyframeId last = keyframes_.back().id;
     result.T_odom_base = tracked.match.pose;
-    scans_.push_back({scan.stamp, last, window_.Pose(last).Inverse() * result.T_odom_base});
-    return result;
+    scans_.push_back({result.stamp, last, window_.Pose(last).Inverse() * result.T_odom_base, {}, {}, {}});
+    return;
   }
   result.T_odom_base = Smooth(planar, prediction, tracked);
   result.is_inserted = keyframes_.back().is_inserted;
   result.window_ms = stopwatch.Lap();
-  scans_.push_back({scan.stamp, keyframes_.back().id, SE2()});
+  scans_.push_back({result.stamp, keyframes_.back().id, SE2(), {}, {}, {}});
   if (result.is_inserted) InsertIntoSubmaps();
   result.insert_ms = stopwatch.Lap();
   TrimWindow();
   result.window_ms += stopwatch.Lap();
-  return result;
 }
 
 StampedPose Slam::WindowPose(const PosedScan& scan) const {
@@ -78,6 +111,19 @@ SE2 Slam::Predict(double stamp) const {
   if (scans_.empty()) return SE2();
   if (scans_.size() == 1) return WindowPose(scans_.back()).pose;
   return PredictPose(WindowPose(scans_[scans_.size() - 2]), WindowPose(scans_.back()), stamp, options_.motion);
+}
+
+PlanarVelocity Slam::Velocity() const {
+  PlanarVelocity velocity;
+  if (scans_.size() < 2) return velocity;
+  const StampedPose previous = WindowPose(scans_[scans_.size() - 2]);
+  const StampedPose last = WindowPose(scans_.back());
+  const SE2 step = previous.pose.Inverse() * last.pose;
+  const double duration = last.stamp - previous.stamp;
+  // Along the chord, half the turn lies before its middle.
+  velocity.linear = SE2(0.0, 0.0, -0.5 * step.theta()) * Eigen::Vector2d(step.translation() / duration);
+  velocity.angular = step.theta() / duration;
+  return velocity;
 }
 
 SE2 Slam::Smooth(const PlanarScan& scan, const SE2& prediction, const TrackingResult& tracked) {
@@ -138,9 +184,12 @@ void Slam::TrimWindow() {
 FinishResult Slam::Finish(bool odometry_only) {
   FinishResult result;
   for (Submap& submap : tracker_.FinishAll()) submaps_.push_back(std::move(submap));
-  if (odometry_only || keyframes_.empty()) return result;
-
   Stopwatch stopwatch;
+  if (odometry_only || keyframes_.empty()) {
+    FinishTerrain();
+    result.terrain_ms = stopwatch.Lap();
+    return result;
+  }
   const LoopCloser closer(options_.loop, options_.matcher, matcher_, options_.grid.cell_size);
   result.loops = closer.FindAll(graph_, keyframes_, submaps_, num_threads_);
   for (const LoopCandidate& loop : result.loops) {
@@ -160,7 +209,29 @@ FinishResult Slam::Finish(bool odometry_only) {
     result.refinements.push_back(graph_.Optimize(options_.graph, num_threads_));
     result.optimize_ms += stopwatch.Lap();
   }
+  FinishTerrain();
+  result.terrain_ms = stopwatch.Lap();
   return result;
+}
+
+void Slam::FinishTerrain() {
+  const bool is_spatial =
+      std::any_of(scans_.begin(), scans_.end(), [](const PosedScan& scan) { return !scan.ground.empty(); });
+  if (!is_spatial) return;
+  // Evenly along the path, so that no place counts more because the robot stood there.
+  std::vector<TerrainView> views;
+  for (const PosedScan& scan : scans_) {
+    const SE2 pose = graph_.Pose(scan.keyframe) * scan.T_keyframe_scan;
+    const bool is_far = views.empty() || (views.back().T_map_base.translation() - pose.translation()).norm() >=
+                                             options_.terrain.keyframe_spacing;
+    if (is_far && !scan.ground.empty()) views.push_back({pose, scan.ground, scan.local_tilt, scan.tilt});
+  }
+  const TerrainMap terrain = SmoothTerrain(options_.terrain, &views);
+  for (PosedScan& scan : scans_) {
+    if (scan.ground.empty()) continue;
+    const SE2 pose = graph_.Pose(scan.keyframe) * scan.T_keyframe_scan;
+    scan.tilt = FitToTerrain(scan.ground, terrain, pose, scan.tilt).tilt;
+  }
 }
 
 Trajectory Slam::OptimizedTrajectory() const {
@@ -168,6 +239,16 @@ Trajectory Slam::OptimizedTrajectory() const {
   trajectory.reserve(scans_.size());
   for (const PosedScan& scan : scans_) {
     trajectory.push_back({scan.stamp, graph_.Pose(scan.keyframe) * scan.T_keyframe_scan});
+  }
+  return trajectory;
+}
+
+Trajectory3 Slam::OptimizedTrajectory3() const {
+  Trajectory3 trajectory;
+  for (const PosedScan& scan : scans_) {
+    const Eigen::Isometry3d T_map_lidar = Lift(graph_.Pose(scan.keyframe) * scan.T_keyframe_scan, scan.tilt);
+    trajectory.poses.push_back(
+        {scan.stamp, T_map_lidar.translation(), Eigen::Quaterniond(T_map_lidar.linear()).normalized()});
   }
   return trajectory;
 }

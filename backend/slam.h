@@ -9,10 +9,15 @@
 #include "backend/loop/loop_closer.h"
 #include "backend/slam_options.h"
 #include "backend/window/sliding_window.h"
+#include "core/geometry/tilt.h"
 #include "core/map/occupancy_grid.h"
 #include "core/map/submap.h"
+#include "core/sensor/ground_sample.h"
 #include "core/sensor/laser_scan.h"
+#include "core/sensor/lidar_sweep.h"
 #include "core/sensor/stamped_pose.h"
+#include "core/sensor/trajectory3.h"
+#include "frontend/tracking/sweep_reducer.h"
 #include "frontend/tracking/tracker.h"
 
 namespace arborslam {
@@ -30,12 +35,15 @@ struct ScanResult {
   ScanStatus status = ScanStatus::kSkipped;
   std::string reason;          ///< Why the scan was not matched; empty if it was.
   SE2 T_odom_base;             ///< The window's estimate; meaningless when skipped.
+  Tilt3 tilt;                  ///< Of the lidar over T_odom_base; all 0 for planar scans.
+  bool has_ground = true;      ///< False: a sweep in which no ground was found; its tilt is that of the one before.
+  int num_moving = 0;          ///< Planar points left out since they move.
   MatchResult match;           ///< To the older active submap.
   bool is_keyframe = false;    ///< Kept as a variable of the estimation.
   bool is_inserted = false;    ///< Clean enough to become part of the maps.
   bool searched_wide = false;  ///< The search around the prediction found nothing good.
   // [ms]
-  double project_ms = 0.0;  ///< Reduction to planar points.
+  double project_ms = 0.0;  ///< Reduction to planar points: for a sweep deskewing, ground, projection, moving things.
   double match_ms = 0.0;    ///< Prediction, search, refinement, distance fields.
   double window_ms = 0.0;   ///< Smoothing and marginalisation.
   double insert_ms = 0.0;   ///< Maps.
@@ -50,11 +58,13 @@ struct FinishResult {
   double loop_ms = 0.0;      ///< Search for loops.
   double optimize_ms = 0.0;  ///< All solutions of the graph.
   double refine_ms = 0.0;    ///< Matching to the corrected maps.
+  double terrain_ms = 0.0;   ///< Heights and tilts.
 };
 
 /// Lidar-only SLAM in the plane (design section 3): scans go in one at a time, each is matched to the active submaps
 /// and smoothed in a sliding window; `Finish` closes loops, optimises the graph and refines it against the corrected
-/// map. For one thread; equal inputs and options give equal results to the last bit, whatever `num_threads`.
+/// map. Sweeps in space are first stood upright and projected; their heights and tilts are smoothed over the terrain at
+/// the end. For one thread; equal inputs and options give equal results to the last bit, whatever `num_threads`.
 class Slam {
  public:
   /// @param options     valid ones, see the sections' `Validate`.
@@ -64,12 +74,16 @@ class Slam {
   /// Takes the next scan. A scan that is not later than the one before is skipped, and so are scans with too few points
   /// before the first map is begun.
   ScanResult AddScan(const LaserScan& scan);
+  /// The same for a sweep in space. A run takes scans of one kind only.
+  ScanResult AddScan(const LidarSweep& sweep);
 
   /// Ends the run; no scan may follow. With `odometry_only` no loops are closed and nothing is matched again.
   FinishResult Finish(bool odometry_only);
 
   /// Poses T_map_base of all scans that were not skipped: after `Finish` the optimised ones, before it the window's.
   Trajectory OptimizedTrajectory() const;
+  /// The same in space, T_map_lidar: z = 0 is the ground where the run began. Level poses at z = 0 for planar scans.
+  Trajectory3 OptimizedTrajectory3() const;
 
   /// All clean scans at their present poses, in the map frame. Needs at least one.
   OccupancyGrid BuildMap() const;
@@ -84,7 +98,20 @@ class Slam {
     double stamp;
     KeyframeId keyframe;
     SE2 T_keyframe_scan;
+    // Of sweeps in space.
+    Tilt3 tilt;
+    Tilt3 local_tilt;
+    std::vector<GroundSample> ground;
   };
+
+  // True, with a reason, for a scan that comes too late.
+  bool IsOutOfOrder(ScanResult* result) const;
+  // Tracks a scan from `prediction`: fills the rest of `result`.
+  void AddPlanarScan(const PlanarScan& planar, const SE2& prediction, ScanResult* result);
+  // The planar velocity between the last two scans.
+  PlanarVelocity Velocity() const;
+  // Heights and tilts of all sweeps over the planar poses as they are now.
+  void FinishTerrain();
 
   // The window's present estimate of a scan's pose, T_odom_base; its keyframe must be in the window.
   StampedPose WindowPose(const PosedScan& scan) const;
@@ -100,6 +127,7 @@ class Slam {
   SlamOptions options_;
   int num_threads_;
   Matcher matcher_;
+  SweepReducer reducer_;
   Tracker tracker_;
   SlidingWindow window_;
   PoseGraph graph_;

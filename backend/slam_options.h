@@ -6,12 +6,16 @@
 #include "backend/graph/pose_graph.h"
 #include "backend/loop/loop_closer.h"
 #include "backend/refine/map_refiner.h"
+#include "backend/terrain/terrain_smoother.h"
 #include "core/map/occupancy_grid.h"
 #include "frontend/matching/matcher.h"
 #include "frontend/matching/modified_hausdorff.h"
 #include "frontend/matching/refinement.h"
 #include "frontend/projection/laser_projection.h"
+#include "frontend/projection/moving_object_filter.h"
+#include "frontend/projection/sweep_projection.h"
 #include "frontend/tracking/motion_model.h"
+#include "frontend/tracking/sweep_reducer.h"
 #include "frontend/tracking/tracker.h"
 
 namespace arborslam {
@@ -30,6 +34,9 @@ struct WindowOptions {
 /// Everything that can be set, one section per module.
 struct SlamOptions {
   ProjectionOptions projection;
+  ReductionOptions reduction;
+  SweepProjectionOptions sweep;
+  MovingObjectOptions dynamic;
   MotionOptions motion;
   OccupancyGridOptions grid;
   MhdOptions mhd;
@@ -40,11 +47,15 @@ struct SlamOptions {
   LoopOptions loop;
   PoseGraphOptions graph;
   MapRefinementOptions map_refinement;
+  TerrainOptions terrain;
 
   /// Calls `visit(name, options)` for every section, in the order of the pipeline.
   template <class Visitor>
   void VisitSections(Visitor&& visit) {
     visit("projection", projection);
+    visit("reduction", reduction);
+    visit("sweep", sweep);
+    visit("dynamic", dynamic);
     visit("motion", motion);
     visit("grid", grid);
     visit("mhd", mhd);
@@ -55,6 +66,7 @@ struct SlamOptions {
     visit("loop", loop);
     visit("graph", graph);
     visit("map_refinement", map_refinement);
+    visit("terrain", terrain);
   }
 };
 

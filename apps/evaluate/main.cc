@@ -1,63 +1,107 @@
-// arborslam_evaluate: the figures of estimated trajectories against their references.
+// arborslam_evaluate: the figures of estimated trajectories and maps against their references.
 
 #include <gflags/gflags.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
 
 #include "apps/common/program.h"
+#include "apps/evaluate/evaluated_run.h"
+#include "apps/evaluate/offline_summary.h"
 #include "apps/evaluate/report.h"
 #include "core/evaluation/alignment.h"
 #include "core/evaluation/association.h"
+#include "core/evaluation/map_metrics.h"
 #include "core/evaluation/trajectory_metrics.h"
 #include "core/evaluation/trajectory_plot.h"
 #include "core/io/atomic_file.h"
+#include "core/io/map_io.h"
 #include "core/io/trajectory_io.h"
 
 DEFINE_string(align, "se2", "origin, se2, se3 or none");
 DEFINE_string(json, "", "file for the figures");
+DEFINE_string(markdown, "", "file for the table in Markdown");
 DEFINE_string(plot, "", "PNG file for the plot");
 DEFINE_double(max_time_difference, 0.02, "[s] between poses that belong together");
 DEFINE_double(interpolate, 0.0, "[s] gap of the reference that may be interpolated");
+DEFINE_double(map_tolerance, 0.0, "[m] between cells of maps that agree");
+DEFINE_bool(map_beyond_is_unknown, false, "judge no cells beyond the edges of the reference map");
 
 namespace arborslam {
 namespace {
 
 constexpr char kUsage[] =
-    R"(usage: arborslam_evaluate --estimate FILE [FILE ...] --reference FILE [FILE ...] [flags]
+    R"(usage: arborslam_evaluate [--estimate FILE ... --reference FILE ...] [--map FILE ... --map_reference FILE ...] [flags]
 
-Compares estimated trajectories with their references (TUM text or Pullally .npz) and prints the errors; several runs
-get a row each and their mean +- 1.96 sd / sqrt(N).
+Compares estimated trajectories (TUM text or Pullally .npz) and occupancy maps with their references and prints the
+errors; several runs get a row each and their mean +- 1.96 sd / sqrt(N).
 
   --estimate FILE [FILE ...]    trajectories to judge, one a run
   --reference FILE [FILE ...]   their references in the same order, or one for all
   --align KIND                  how an estimate is laid on its reference before errors are taken (default se2):
-                                  se2     best fit in the plane (Umeyama, no scale)
-                                  se3     best fit in space; only then altitude counts
-                                  origin  first poses coincide, in the plane; positions without orientation are taken
-                                          to have their first heading along +x
+                                  se2     best fit in the plane (Umeyama, no scale); heights agree in the mean
+                                  se3     best fit in space; altitude counts as x and y do
+                                  origin  first poses coincide, in the plane and in height; positions without
+                                          orientation are taken to have their first heading along +x
                                   none    not at all
   --max_time_difference S       seconds between the stamps of poses that belong together (default 0.02)
   --interpolate S               interpolate the reference across gaps of up to S seconds (default 0: never)
+  --map FILE [FILE ...]         map.yaml to judge (ROS map_server), one a run; moved as its trajectory is by --align,
+                                in the plane (se3: as by se2), or compared as it lies if there is none
+  --map_reference FILE [...]    their references, or one for all: precision, sensitivity and accuracy on its grid
+  --map_tolerance M             occupied cells agree if their centres are no more than M metres apart (default 0)
+  --map_beyond_is_unknown       do not judge what a map has beyond the edges of its reference (default: it is false)
+  --summary FILE [FILE ...]     the runs' summary.json, for time, memory and the error of odometry.tum
   --json FILE                   write the figures as JSON: alignment, runs[] and summary, each figure under its name
-                                  with its unit (position_rms_m, ate_se2_rmse_m, ...), null where not defined
+                                with its unit (position_rms_m, ate_se2_rmse_m, ...), null where not defined
+  --markdown FILE               write the table of runs in Markdown
+  --columns NAME [NAME ...]     only these figures in table and Markdown, by their names in the JSON
+  --labels TEXT [TEXT ...]      what to call the runs (default 1, 2, ...)
   --plot FILE.png               draw trajectories and error; of several runs FILE_1.png, FILE_2.png, ...
   --help, --version
 )";
 
+// A flag that gives one reference for each file of another, or one for all.
+void CheckReferences(const MultiFlags& files, const std::string& name, const std::string& reference_name) {
+  const size_t count = files.at(name).size();
+  const size_t reference_count = files.at(reference_name).size();
+  if (count == 0) throw UsageError("--" + name + " FILE is missing; see --help");
+  if (reference_count == 0) throw UsageError("--" + reference_name + " FILE is missing; see --help");
+  if (reference_count != 1 && reference_count != count) {
+    throw UsageError("--" + reference_name + " has " + std::to_string(reference_count) + " files for " +
+                     std::to_string(count) + " of --" + name + "; give one for each, or one for all");
+  }
+}
+
+bool IsGiven(const MultiFlags& files, const std::string& name) { return !files.at(name).empty(); }
+
+// One flag of a pair asks for both. Nothing at all is taken for a trajectory that is missing.
+bool WantsMaps(const MultiFlags& files) { return IsGiven(files, "map") || IsGiven(files, "map_reference"); }
+bool WantsTrajectories(const MultiFlags& files) {
+  return IsGiven(files, "estimate") || IsGiven(files, "reference") || !WantsMaps(files);
+}
+
+size_t NumRuns(const MultiFlags& files) { return files.at(WantsTrajectories(files) ? "estimate" : "map").size(); }
+
 void CheckFlags(const MultiFlags& files) {
-  const std::vector<std::string>& estimates = files.at("estimate");
-  const std::vector<std::string>& references = files.at("reference");
-  if (estimates.empty()) throw UsageError("--estimate FILE is missing; see --help");
-  if (references.empty()) throw UsageError("--reference FILE is missing; see --help");
-  if (references.size() != 1 && references.size() != estimates.size()) {
-    throw UsageError("--reference has " + std::to_string(references.size()) + " files for " +
-                     std::to_string(estimates.size()) + " of --estimate; give one for each, or one for all");
+  if (WantsTrajectories(files)) CheckReferences(files, "estimate", "reference");
+  if (WantsMaps(files)) CheckReferences(files, "map", "map_reference");
+  for (const char* name : {"map", "summary", "labels"}) {
+    const size_t count = files.at(name).size();
+    if (count != 0 && count != NumRuns(files)) {
+      throw UsageError(std::string("--") + name + " has " + std::to_string(count) + " values for " +
+                       std::to_string(NumRuns(files)) + " runs; give one for each");
+    }
+  }
+  if (!WantsTrajectories(files) && !FLAGS_plot.empty()) {
+    throw UsageError("--plot draws trajectories; give --estimate and --reference");
   }
   if (!ParseAlignmentKind(FLAGS_align)) {
     throw UsageError("--align is '" + FLAGS_align + "' but must be origin, se2, se3 or none");
@@ -68,15 +112,84 @@ void CheckFlags(const MultiFlags& files) {
       throw UsageError(std::string("--") + name + " is " + std::to_string(value) + " but must be 0 s or more");
     }
   }
+  if (!std::isfinite(FLAGS_map_tolerance) || FLAGS_map_tolerance < 0.0) {
+    throw UsageError("--map_tolerance is " + std::to_string(FLAGS_map_tolerance) + " but must be 0 m or more");
+  }
 }
 
-EvaluatedRun Evaluate(const std::string& estimate_path, const std::string& reference_path, AlignmentKind alignment,
-                      const AssociationOptions& options) {
-  EvaluatedRun run{estimate_path, reference_path, {}, {}};
-  run.association = Associate(ReadTrajectory(estimate_path), ReadTrajectory(reference_path), options,
-                              estimate_path + " against " + reference_path);
-  run.evaluation = EvaluateTrajectory(run.association.pairs, run.association.has_headings, alignment);
+// The value of the flag `name` for run `index`; one value serves all runs.
+const std::string& Nth(const MultiFlags& files, const std::string& name, size_t index) {
+  const std::vector<std::string>& values = files.at(name);
+  return values.size() == 1 ? values[0] : values[index];
+}
+
+EvaluatedTrajectory EvaluateTrajectoryFiles(const std::string& estimate_path, const std::string& reference_path,
+                                            const EvaluationSettings& settings) {
+  EvaluatedTrajectory trajectory{estimate_path, reference_path, {}, {}};
+  trajectory.association = Associate(ReadTrajectory(estimate_path), ReadTrajectory(reference_path),
+                                     settings.association, estimate_path + " against " + reference_path);
+  trajectory.evaluation =
+      EvaluateTrajectory(trajectory.association.pairs, trajectory.association.has_headings, settings.alignment);
+  return trajectory;
+}
+
+// The motion of the plane that lays a map on its reference as its trajectory is laid on that's.
+SE2 PlanarAlignment(const std::optional<EvaluatedTrajectory>& trajectory, AlignmentKind kind) {
+  if (!trajectory) return SE2();
+  // Best in space is not best in the plane: a far origin would lean the map out of its place.
+  const Eigen::Isometry3d T =
+      Align(trajectory->association.pairs, kind == AlignmentKind::kSe3 ? AlignmentKind::kSe2 : kind);
+  return SE2(T.translation().x(), T.translation().y(), Heading(Eigen::Quaterniond(T.linear())));
+}
+
+EvaluatedMap EvaluateMapFiles(const std::string& map_path, const std::string& reference_path,
+                              const SE2& T_reference_map, const EvaluationSettings& settings) {
+  EvaluatedMap map{map_path, reference_path, T_reference_map, {}};
+  map.metrics = CompareMaps(ReadMapServer(map_path), ReadMapServer(reference_path), T_reference_map, settings.map,
+                            map_path + " against " + reference_path);
+  return map;
+}
+
+EvaluatedRun EvaluateRun(const MultiFlags& files, size_t index, const EvaluationSettings& settings) {
+  EvaluatedRun run;
+  run.label = IsGiven(files, "labels") ? files.at("labels")[index] : std::to_string(index + 1);
+  if (WantsTrajectories(files)) {
+    run.trajectory = EvaluateTrajectoryFiles(files.at("estimate")[index], Nth(files, "reference", index), settings);
+  }
+  if (WantsMaps(files)) {
+    run.map = EvaluateMapFiles(files.at("map")[index], Nth(files, "map_reference", index),
+                               PlanarAlignment(run.trajectory, settings.alignment), settings);
+  }
+  if (IsGiven(files, "summary")) run.offline_summary = ReadOfflineSummary(files.at("summary")[index]);
   return run;
+}
+
+// The figures of --columns, in its order.
+std::vector<Figure> ParseColumns(const std::vector<std::string>& columns) {
+  std::vector<Figure> figures;
+  for (const std::string& column : columns) {
+    const auto figure = std::find_if(AllFigures().begin(), AllFigures().end(),
+                                     [&column](const Figure& candidate) { return candidate.key == column; });
+    if (figure == AllFigures().end()) {
+      std::string known;
+      for (const Figure& candidate : AllFigures()) known += (known.empty() ? "" : ", ") + candidate.key;
+      throw UsageError("--columns has '" + column + "', which is none of: " + known);
+    }
+    figures.push_back(*figure);
+  }
+  return figures;
+}
+
+// What to print when --columns does not say: in a table, only what some run has.
+std::vector<Figure> DefaultFigures(const std::vector<EvaluatedRun>& runs) {
+  std::vector<Figure> figures = FiguresOf(runs);
+  if (runs.size() == 1) return figures;
+  const auto is_absent = [&runs](const Figure& figure) {
+    return std::none_of(runs.begin(), runs.end(),
+                        [&figure](const EvaluatedRun& run) { return figure.value(run).has_value(); });
+  };
+  figures.erase(std::remove_if(figures.begin(), figures.end(), is_absent), figures.end());
+  return figures;
 }
 
 // The file for the plot of run `index` of `num_runs`.
@@ -89,19 +202,24 @@ std::string PlotPath(size_t index, size_t num_runs) {
 
 // A slip such as `--json run.tum` must not cost the user the run.
 void CheckOutputs(const MultiFlags& files) {
-  if (!FLAGS_json.empty() && FLAGS_json == FLAGS_plot) {
-    throw UsageError("--json and --plot are both '" + FLAGS_json + "'; choose two names");
-  }
-  std::vector<std::string> outputs;
-  if (!FLAGS_json.empty()) outputs.push_back(FLAGS_json);
-  const size_t num_runs = files.at("estimate").size();
-  for (size_t i = 0; i < num_runs && !FLAGS_plot.empty(); ++i) outputs.push_back(PlotPath(i, num_runs));
-  for (const std::string& output : outputs) {
-    for (const auto& [flag, inputs] : files) {
-      for (const std::string& input : inputs) {
+  std::vector<std::pair<std::string, std::string>> outputs;  // Flag and file.
+  if (!FLAGS_json.empty()) outputs.emplace_back("--json", FLAGS_json);
+  if (!FLAGS_markdown.empty()) outputs.emplace_back("--markdown", FLAGS_markdown);
+  const size_t num_runs = NumRuns(files);
+  for (size_t i = 0; i < num_runs && !FLAGS_plot.empty(); ++i) outputs.emplace_back("--plot", PlotPath(i, num_runs));
+  for (size_t i = 0; i < outputs.size(); ++i) {
+    const auto& [flag, output] = outputs[i];
+    for (size_t k = 0; k < i; ++k) {
+      if (outputs[k].second == output) {
+        throw UsageError(outputs[k].first + " and " + flag + " are both '" + output + "'; choose two names");
+      }
+    }
+    for (const char* input_flag : {"estimate", "reference", "map", "map_reference", "summary"}) {
+      for (const std::string& input : files.at(input_flag)) {
         std::error_code missing;
         if (std::filesystem::equivalent(output, input, missing)) {
-          throw UsageError("'" + output + "' would be written over the file of --" + flag + "; choose another name");
+          throw UsageError("'" + output + "' would be written over the file of --" + input_flag +
+                           "; choose another name");
         }
       }
     }
@@ -111,26 +229,29 @@ void CheckOutputs(const MultiFlags& files) {
 int Run(const MultiFlags& files) {
   CheckFlags(files);
   CheckOutputs(files);
-  const std::vector<std::string>& estimates = files.at("estimate");
-  const std::vector<std::string>& references = files.at("reference");
-  const AlignmentKind alignment = *ParseAlignmentKind(FLAGS_align);
-  AssociationOptions options;
-  options.max_time_difference = FLAGS_max_time_difference;
-  options.max_interpolation_gap = FLAGS_interpolate;
+  const std::vector<Figure> columns = ParseColumns(files.at("columns"));
+  EvaluationSettings settings;
+  settings.alignment = *ParseAlignmentKind(FLAGS_align);
+  settings.association.max_time_difference = FLAGS_max_time_difference;
+  settings.association.max_interpolation_gap = FLAGS_interpolate;
+  settings.map.tolerance = FLAGS_map_tolerance;
+  settings.map.beyond_is_unknown = FLAGS_map_beyond_is_unknown;
 
   std::vector<EvaluatedRun> runs;
-  for (size_t i = 0; i < estimates.size(); ++i) {
-    runs.push_back(Evaluate(estimates[i], references.size() == 1 ? references[0] : references[i], alignment, options));
-  }
+  for (size_t i = 0; i < NumRuns(files); ++i) runs.push_back(EvaluateRun(files, i, settings));
+  const std::vector<Figure> figures = columns.empty() ? DefaultFigures(runs) : columns;
   if (!FLAGS_json.empty()) {
     // File names need not be UTF-8, JSON must be.
     constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
-    WriteFileAtomically(FLAGS_json, ToJson(runs, options).dump(2, ' ', false, kReplace) + "\n");
+    WriteFileAtomically(FLAGS_json, ToJson(runs, settings).dump(2, ' ', false, kReplace) + "\n");
   }
+  if (!FLAGS_markdown.empty()) WriteFileAtomically(FLAGS_markdown, FormatMarkdown(runs, figures));
   for (size_t i = 0; i < runs.size() && !FLAGS_plot.empty(); ++i) {
-    WriteTrajectoryPlot(PlotPath(i, runs.size()), runs[i].evaluation, {runs[i].estimate_path});
+    const EvaluatedTrajectory& trajectory = *runs[i].trajectory;
+    WriteTrajectoryPlot(PlotPath(i, runs.size()), trajectory.evaluation,
+                        {IsGiven(files, "labels") ? runs[i].label : trajectory.estimate_path});
   }
-  std::cout << FormatTable(runs);
+  std::cout << FormatTable(runs, figures, settings);
   return kExitSuccess;
 }
 
@@ -138,6 +259,9 @@ int Run(const MultiFlags& files) {
 }  // namespace arborslam
 
 int main(int argc, char** argv) {
-  return arborslam::RunProgram({"arborslam_evaluate", arborslam::kUsage, __FILE__, {"estimate", "reference"}}, argc,
-                               argv, &arborslam::Run);
+  return arborslam::RunProgram({"arborslam_evaluate",
+                                arborslam::kUsage,
+                                __FILE__,
+                                {"estimate", "reference", "map", "map_reference", "summary", "columns", "labels"}},
+                               argc, argv, &arborslam::Run);
 }

@@ -5,37 +5,44 @@
 #include <string>
 #include <vector>
 
+#include "apps/evaluate/evaluated_run.h"
 #include "core/evaluation/association.h"
-#include "core/evaluation/trajectory_metrics.h"
 
 namespace arborslam {
 
-/// One estimate against its reference.
-struct EvaluatedRun {
-  std::string estimate_path;
-  std::string reference_path;
-  AssociationResult association;
-  TrajectoryEvaluation evaluation;
+/// How the runs were compared.
+struct EvaluationSettings {
+  AlignmentKind alignment = AlignmentKind::kSe2;
+  AssociationOptions association;
+  MapComparisonOptions map;
 };
 
 /// The runs for people: one run as a list of figures with their units, several as a table with a row each and the mean
 /// with its 95 % half width below. Ends with a newline.
-/// @param runs at least one, all aligned alike.
-std::string FormatTable(const std::vector<EvaluatedRun>& runs);
+/// @param runs     at least one, all of the same sources.
+/// @param figures  which to print; "-" where a run does not have one.
+std::string FormatTable(const std::vector<EvaluatedRun>& runs, const std::vector<Figure>& figures,
+                        const EvaluationSettings& settings);
+
+/// A Markdown table with a row for each run and, of several, a last one with the means, "mean ± half width".
+std::string FormatMarkdown(const std::vector<EvaluatedRun>& runs, const std::vector<Figure>& figures);
 
 /// The runs for machines, an object with
 ///   alignment                   "none", "origin", "se2" or "se3"
 ///   max_time_difference_s, max_interpolation_gap_s
+///   map_tolerance_m, map_beyond_is_unknown
+///                               with maps
 ///   runs[]                      in the order of the command line, each with
-///     estimate, reference       paths as given
+///     label
+///     estimate, reference       paths as given; these and those up to z_offset_m with trajectories
 ///     matched_poses, unmatched_estimate_poses, unmatched_reference_poses
-///     path_length_m             of the reference over the matched poses
 ///     T_reference_estimate      4 rows of 4: the alignment
-///     position_mean_m, ...      the figures of `MetricFields`; null where not defined
+///     z_offset_m                added to the estimate's z before heights are compared
+///     map                       with maps: map, reference, T_reference_map (x, y, yaw) and the counts of `MapMetrics`
+///     position_mean_m, ...      the figures of `FiguresOf`; null where not defined
 ///   summary                     by the key of the figure: runs (N), mean, half_width_95 (1.96 sd / sqrt(N), null for
-///   one
-///                               run); null where no run has it
-nlohmann::ordered_json ToJson(const std::vector<EvaluatedRun>& runs, const AssociationOptions& options);
+///                               one run); null where no run has it
+nlohmann::ordered_json ToJson(const std::vector<EvaluatedRun>& runs, const EvaluationSettings& settings);
 
 }  // namespace arborslam
 

@@ -18,6 +18,7 @@
 
 #include "apps/common/program.h"
 #include "apps/common/progress_bar.h"
+#include "apps/offline/html_report.h"
 #include "apps/offline/map_picture.h"
 #include "apps/offline/summary.h"
 #include "backend/slam.h"
@@ -63,16 +64,17 @@ and options give the same results, bit by bit, for any number of threads.
 
 Writes trajectory.tum (optimised pose of every scan used), odometry.tum (the causal estimate, as known when the scan came),
 map.pgm + map.yaml (ROS map_server), map.png, graph.g2o, summary.json (counts, rejected scans with reasons, loops, times,
-memory, errors) and effective_config.yaml. A pose's stamp is the middle of its sweep. Ctrl-C ends the reading early and
-keeps what there is (exit code 130), a second one ends the program at once.
+memory, errors), report.html (all of this for the browser, in one file) and effective_config.yaml. A pose's stamp is the
+middle of its sweep. Ctrl-C ends the reading early and keeps what there is (exit code 130), a second one ends the program
+at once.
 )";
 
 // After an interruption the exit code is this and the signal's number, as shells have it.
 constexpr int kExitSignalled = 128;
 
-constexpr std::array<const char*, 8> kResultFiles = {
-    "trajectory.tum", "odometry.tum", "map.yaml",     "map.pgm",
-    "map.png",        "graph.g2o",    "summary.json", "effective_config.yaml"};
+constexpr std::array<const char*, 9> kResultFiles = {"trajectory.tum", "odometry.tum", "map.yaml",
+                                                     "map.pgm",        "map.png",      "graph.g2o",
+                                                     "summary.json",   "report.html",  "effective_config.yaml"};
 
 // The signal that asks for an early end, or 0. A handler can reach nothing else.
 volatile std::sig_atomic_t g_signal = 0;
@@ -120,17 +122,22 @@ std::filesystem::path PrepareOutput() {
   return folder;
 }
 
+StampedPose3 ToStampedPose3(const ScanResult& result) {
+  const Eigen::Isometry3d T_odom_lidar = Lift(result.T_odom_base, result.tilt);
+  return {result.stamp, T_odom_lidar.translation(), Eigen::Quaterniond(T_odom_lidar.linear()).normalized()};
+}
+
 // Feeds the recording to `slam`; fills the record's scans and the causal trajectory.
-void Track(ScanSource* source, Slam* slam, RunRecord* record, Trajectory* odometry) {
+void Track(ScanSource* source, Slam* slam, RunRecord* record, Trajectory3* odometry) {
   std::optional<size_t> total = source->NumScans();
   if (total && FLAGS_max_scans > 0) total = std::min(*total, static_cast<size_t>(FLAGS_max_scans));
   ProgressBar progress(std::cerr, total, StderrIsTerminal() && !FLAGS_quiet);
   while (g_signal == 0 && (FLAGS_max_scans == 0 || record->scans.size() < static_cast<size_t>(FLAGS_max_scans))) {
     const std::optional<Scan> scan = source->Next();
     if (!scan) break;
-    record->scans.push_back(slam->AddScan(std::get<LaserScan>(*scan)));
+    record->scans.push_back(std::visit([slam](const auto& any) { return slam->AddScan(any); }, *scan));
     const ScanResult& result = record->scans.back();
-    if (result.status != ScanStatus::kSkipped) odometry->push_back({result.stamp, result.T_odom_base});
+    if (result.status != ScanStatus::kSkipped) odometry->poses.push_back(ToStampedPose3(result));
     progress.Update(record->scans.size());
   }
   record->is_interrupted = g_signal != 0;
@@ -146,15 +153,15 @@ void RequireKeyframes(const Slam& slam, const RunRecord& record) {
                   "check the recording and the range limits of section 'projection'");
 }
 
-TrajectoryEvaluation Evaluate(const Trajectory& estimate, const Trajectory3& reference, size_t* unmatched) {
+TrajectoryEvaluation Evaluate(const Trajectory3& estimate, const Trajectory3& reference, size_t* unmatched) {
   const AssociationResult pairs =
-      Associate(ToTrajectory3(estimate), reference, AssociationOptions{}, FLAGS_input + " and " + FLAGS_ground_truth);
+      Associate(estimate, reference, AssociationOptions{}, FLAGS_input + " and " + FLAGS_ground_truth);
   *unmatched = pairs.unmatched_estimate;
   return EvaluateTrajectory(pairs.pairs, pairs.has_headings, AlignmentKind::kSe2);
 }
 
 // Fills the record's errors. Returns what is wrong with the reference, or "": a run is not to be lost for it.
-std::string EvaluateRun(const Trajectory& trajectory, const Trajectory& odometry, const Trajectory3& reference,
+std::string EvaluateRun(const Trajectory3& trajectory, const Trajectory3& odometry, const Trajectory3& reference,
                         RunRecord* record) {
   try {
     RunErrors errors;
@@ -185,23 +192,34 @@ PoseGraph2 ToG2o(const Slam& slam) {
   return graph;
 }
 
-void WriteResults(const std::filesystem::path& folder, const Slam& slam, const Trajectory& odometry,
-                  const RunRecord& record, const std::string& effective_config) {
-  const Trajectory trajectory = slam.OptimizedTrajectory();
+// What the score of a scan is held to.
+std::vector<ScoreGate> ScoreGates(const SlamOptions& options) {
+  return {{options.tracker.wide_score, "searched wide (tracker.wide_score)"},
+          {options.tracker.max_insert_score, "kept out of the maps (tracker.max_insert_score)"},
+          {options.matcher.max_score, "rejected (matcher.max_score)"}};
+}
+
+void WriteResults(const std::filesystem::path& folder, const SlamOptions& options, const Slam& slam,
+                  const Trajectory3& odometry, const RunRecord& record, const std::string& effective_config) {
+  const Trajectory3 trajectory = slam.OptimizedTrajectory3();
   const GridImage map = ToGridImage(slam.BuildMap());
   WriteTum((folder / "trajectory.tum").string(), trajectory);
   WriteTum((folder / "odometry.tum").string(), odometry);
   WriteMapServer((folder / "map.yaml").string(), map);
-  WritePng((folder / "map.png").string(), DrawMap(map, trajectory));
+  WritePng((folder / "map.png").string(), DrawMap(map, slam.OptimizedTrajectory()));
   WriteG2o((folder / "graph.g2o").string(), ToG2o(slam));
   WriteFileAtomically((folder / "effective_config.yaml").string(), effective_config);
   WriteFileAtomically((folder / "summary.json").string(), SummaryJson(record));
+  const ReportInput report{record, slam.submaps(), effective_config, &map, trajectory, odometry, ScoreGates(options)};
+  WriteFileAtomically((folder / "report.html").string(), HtmlReport(report));
 }
 
 int Run(const MultiFlags& multi_flags) {
   CheckFlags();
   SlamOptions options;
+  SweepFolderOptions input_options;
   ConfigSchema schema;
+  schema.AddSection("input", &input_options);
   options.VisitSections([&schema](const std::string& name, auto& section) { schema.AddSection(name, &section); });
   if (!FLAGS_config.empty()) schema.LoadYamlFile(FLAGS_config);
   for (const std::string& assignment : multi_flags.at("set")) schema.ApplyOverride(assignment);
@@ -209,7 +227,7 @@ int Run(const MultiFlags& multi_flags) {
 
   std::optional<Trajectory3> reference;
   if (!FLAGS_ground_truth.empty()) reference = ReadTrajectory(FLAGS_ground_truth);
-  const std::unique_ptr<ScanSource> source = OpenScanSource(FLAGS_input);
+  const std::unique_ptr<ScanSource> source = OpenScanSource(FLAGS_input, input_options);
   const std::filesystem::path folder = PrepareOutput();
 
   RunRecord record;
@@ -225,19 +243,19 @@ int Run(const MultiFlags& multi_flags) {
   std::signal(SIGTERM, &OnSignal);
   Stopwatch stopwatch;
   Slam slam(options, record.num_threads);
-  Trajectory odometry;
+  Trajectory3 odometry;
   Track(source.get(), &slam, &record, &odometry);
   RequireKeyframes(slam, record);
   record.finish = slam.Finish(FLAGS_odometry_only);
   record.num_submaps = slam.submaps().size();
   record.wall_seconds = stopwatch.Lap() / 1000.0;
   std::string reference_problem;
-  if (reference) reference_problem = EvaluateRun(slam.OptimizedTrajectory(), odometry, *reference, &record);
+  if (reference) reference_problem = EvaluateRun(slam.OptimizedTrajectory3(), odometry, *reference, &record);
 
   // Writing takes moments, and an end amid them would leave temporary files.
   std::signal(SIGINT, SIG_IGN);
   std::signal(SIGTERM, SIG_IGN);
-  WriteResults(folder, slam, odometry, record, schema.ToYaml());
+  WriteResults(folder, options, slam, odometry, record, schema.ToYaml());
   if (!FLAGS_quiet) std::cout << SummaryText(record) << "results in " << folder.string() << "\n" << std::flush;
   if (record.is_interrupted) {
     std::cerr << "arborslam_offline: interrupted after " << record.scans.size() << " scans; the results in "

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 namespace arborslam {
 namespace {
@@ -18,14 +19,41 @@ constexpr Colour kPath{30, 100, 220};
 constexpr Colour kStart{20, 160, 70};
 constexpr Colour kEnd{215, 40, 40};
 
+// [pixels] of a map drawn at `pixels_per_cell`.
+int PixelsFor(int cells, double pixels_per_cell) {
+  return std::max(1, static_cast<int>(std::ceil(cells * pixels_per_cell)));
+}
+
+// The shade of a pixel, `row` counted from the bottom; nothing where the map is unknown. The darkest known cell under
+// the pixel decides, so that thin trunks survive a reduction.
+std::optional<uint8_t> ShadeOf(const GridImage& map, int column, int row, double pixels_per_cell) {
+  const auto first = [&](int pixel) { return static_cast<int>(pixel / pixels_per_cell); };
+  const auto last = [&](int pixel, int size) {
+    return std::min(size - 1, std::max(first(pixel), static_cast<int>(std::ceil((pixel + 1) / pixels_per_cell)) - 1));
+  };
+  int occupancy = -1;
+  for (int y = first(row); y <= last(row, map.height); ++y) {
+    for (int x = first(column); x <= last(column, map.width); ++x) {
+      const uint8_t cell =
+          map.occupancy[static_cast<size_t>(y) * static_cast<size_t>(map.width) + static_cast<size_t>(x)];
+      if (cell != GridImage::kUnknown) occupancy = std::max(occupancy, static_cast<int>(cell));
+    }
+  }
+  if (occupancy < 0) return std::nullopt;
+  return static_cast<uint8_t>(255 - 255 * std::clamp(2 * occupancy - 100, 0, 100) / 100);
+}
+
 class Canvas {
  public:
   Canvas(const GridImage& map, double pixels_per_cell) : map_(map), scale_(pixels_per_cell / map.resolution) {
-    image_.width = std::max(1, static_cast<int>(std::ceil(map.width * pixels_per_cell)));
-    image_.height = std::max(1, static_cast<int>(std::ceil(map.height * pixels_per_cell)));
+    image_.width = PixelsFor(map.width, pixels_per_cell);
+    image_.height = PixelsFor(map.height, pixels_per_cell);
     image_.pixels.resize(3 * static_cast<size_t>(image_.width) * static_cast<size_t>(image_.height));
     for (int row = 0; row < image_.height; ++row) {
-      for (int column = 0; column < image_.width; ++column) Set(column, row, ShadeOf(column, row, pixels_per_cell));
+      for (int column = 0; column < image_.width; ++column) {
+        const std::optional<uint8_t> shade = ShadeOf(map, column, image_.height - 1 - row, pixels_per_cell);
+        Set(column, row, shade ? Colour{*shade, *shade, *shade} : kUnknownColour);
+      }
     }
   }
 
@@ -48,26 +76,6 @@ class Canvas {
   RgbImage Take() { return std::move(image_); }
 
  private:
-  // The darkest known cell under a pixel decides, so that thin trunks survive a reduction.
-  Colour ShadeOf(int column, int row, double pixels_per_cell) const {
-    const auto first = [&](int pixel) { return static_cast<int>(pixel / pixels_per_cell); };
-    const auto last = [&](int pixel, int size) {
-      return std::min(size - 1, std::max(first(pixel), static_cast<int>(std::ceil((pixel + 1) / pixels_per_cell)) - 1));
-    };
-    const int from_bottom = image_.height - 1 - row;
-    int occupancy = -1;
-    for (int y = first(from_bottom); y <= last(from_bottom, map_.height); ++y) {
-      for (int x = first(column); x <= last(column, map_.width); ++x) {
-        const uint8_t cell =
-            map_.occupancy[static_cast<size_t>(y) * static_cast<size_t>(map_.width) + static_cast<size_t>(x)];
-        if (cell != GridImage::kUnknown) occupancy = std::max(occupancy, static_cast<int>(cell));
-      }
-    }
-    if (occupancy < 0) return kUnknownColour;
-    const auto shade = static_cast<uint8_t>(255 - 255 * std::clamp(2 * occupancy - 100, 0, 100) / 100);
-    return {shade, shade, shade};
-  }
-
   void Set(int column, int row, const Colour& colour) {
     if (column < 0 || row < 0 || column >= image_.width || row >= image_.height) return;
     const size_t index =
@@ -126,6 +134,25 @@ RgbImage DrawMap(const GridImage& map, const Trajectory& trajectory) {
     canvas.Dot(trajectory.back().pose.translation(), 6, kEnd);
   }
   return canvas.Take();
+}
+
+MapBackdrop DrawBackdrop(const GridImage& map, int max_side) {
+  const double pixels_per_cell = std::min(1.0, static_cast<double>(max_side) / std::max(map.width, map.height));
+  MapBackdrop backdrop;
+  GreyImage& image = backdrop.image;
+  image.width = PixelsFor(map.width, pixels_per_cell);
+  image.height = PixelsFor(map.height, pixels_per_cell);
+  image.pixels.reserve(static_cast<size_t>(image.width) * static_cast<size_t>(image.height));
+  for (int row = image.height - 1; row >= 0; --row) {
+    for (int column = 0; column < image.width; ++column) {
+      const std::optional<uint8_t> shade = ShadeOf(map, column, row, pixels_per_cell);
+      image.pixels.push_back(shade ? static_cast<uint8_t>(*shade / 17 * 17) : kUnknownShade);
+    }
+  }
+  backdrop.metres_per_pixel = map.resolution / pixels_per_cell;
+  backdrop.left = map.origin_x;
+  backdrop.top = map.origin_y + image.height * backdrop.metres_per_pixel;
+  return backdrop;
 }
 
 }  // namespace arborslam

@@ -15,6 +15,18 @@ GridImage ToGridImage(const OccupancyGrid& grid);
 /// end. A map that is too large is drawn at a fraction of its resolution.
 RgbImage DrawMap(const GridImage& map, const Trajectory& trajectory);
 
+/// The map alone, and where it lies.
+struct MapBackdrop {
+  GreyImage image;                ///< White is free, grey (`kUnknownShade`) unknown, black occupied; 16 shades.
+  double metres_per_pixel = 1.0;  ///< [m]
+  double left = 0.0;              ///< [m], x of the image's left edge.
+  double top = 0.0;               ///< [m], y of its top edge.
+};
+constexpr uint8_t kUnknownShade = 221;
+
+/// Draws `map` at its own resolution, or at a fraction of it so that no side exceeds `max_side` [pixels].
+MapBackdrop DrawBackdrop(const GridImage& map, int max_side);
+
 }  // namespace arborslam
 
 #endif  // ARBORSLAM_APPS_OFFLINE_MAP_PICTURE_H_

@@ -41,6 +41,69 @@ std::vector<double> PositionErrors(const std::vector<PosePair>& pairs, bool is_s
   return errors;
 }
 
+// How a body leans: its attitude without the yaw, in the order yaw, pitch, roll.
+struct Tilt {
+  double roll;
+  double pitch;
+};
+
+Tilt TiltOf(const Eigen::Quaterniond& orientation) {
+  const Eigen::Vector3d up = orientation.conjugate() * Eigen::Vector3d::UnitZ();  // As the body sees it.
+  return {std::atan2(up.y(), up.z()), std::atan2(-up.x(), std::hypot(up.y(), up.z()))};
+}
+
+bool IsTilted(const StampedPose3& pose) { return pose.orientation.x() != 0.0 || pose.orientation.y() != 0.0; }
+bool HasHeight(const StampedPose3& pose) { return pose.position.z() != 0.0; }
+
+// True if estimates and references both have a pose that `has` what is asked for.
+bool BothHave(const std::vector<PosePair>& pairs, bool (*has)(const StampedPose3&)) {
+  return std::any_of(pairs.begin(), pairs.end(), [has](const PosePair& pair) { return has(pair.estimate); }) &&
+         std::any_of(pairs.begin(), pairs.end(), [has](const PosePair& pair) { return has(pair.reference); });
+}
+
+void MeasureTilt(const std::vector<PosePair>& aligned_pairs, TrajectoryMetrics* metrics) {
+  std::vector<double> roll_errors;
+  std::vector<double> pitch_errors;
+  for (const PosePair& pair : aligned_pairs) {
+    const Tilt estimate = TiltOf(pair.estimate.orientation);
+    const Tilt reference = TiltOf(pair.reference.orientation);
+    roll_errors.push_back(AngleDifference(estimate.roll, reference.roll));
+    pitch_errors.push_back(estimate.pitch - reference.pitch);
+  }
+  metrics->roll_rms = Rms(roll_errors);
+  metrics->pitch_rms = Rms(pitch_errors);
+}
+
+double HeightOffset(const std::vector<PosePair>& aligned_pairs, AlignmentKind alignment) {
+  const auto missing = [](const PosePair& pair) { return pair.reference.position.z() - pair.estimate.position.z(); };
+  switch (alignment) {
+    case AlignmentKind::kNone:
+    case AlignmentKind::kSe3:
+      return 0.0;
+    case AlignmentKind::kOrigin:
+      return missing(aligned_pairs.front());
+    case AlignmentKind::kSe2: {
+      std::vector<double> offsets;
+      for (const PosePair& pair : aligned_pairs) offsets.push_back(missing(pair));
+      return Mean(offsets);
+    }
+  }
+  throw std::invalid_argument("no such alignment");
+}
+
+void MeasureHeight(const std::vector<PosePair>& aligned_pairs, double z_offset, TrajectoryMetrics* metrics) {
+  std::vector<double> height_errors;
+  std::vector<double> distances;
+  for (const PosePair& pair : aligned_pairs) {
+    Eigen::Vector3d error = pair.estimate.position - pair.reference.position;
+    error.z() += z_offset;
+    height_errors.push_back(error.z());
+    distances.push_back(error.norm());
+  }
+  metrics->z_rms = Rms(height_errors);
+  metrics->position_3d_rms = Rms(distances);
+}
+
 std::vector<PosePair> Aligned(const std::vector<PosePair>& pairs, const Eigen::Isometry3d& T_reference_estimate) {
   std::vector<PosePair> aligned;
   aligned.reserve(pairs.size());
@@ -97,6 +160,12 @@ TrajectoryEvaluation EvaluateTrajectory(const std::vector<PosePair>& pairs, bool
     metrics.position_percent = metrics.position_mean / evaluation.path_length() * 100.0;
   }
 
+  if (has_headings && BothHave(pairs, &IsTilted)) MeasureTilt(evaluation.aligned_pairs, &metrics);
+  if (BothHave(pairs, &HasHeight)) {
+    evaluation.z_offset = HeightOffset(evaluation.aligned_pairs, alignment);
+    MeasureHeight(evaluation.aligned_pairs, evaluation.z_offset, &metrics);
+  }
+
   const std::vector<double> absolute_errors =
       alignment == AlignmentKind::kSe2
           ? evaluation.position_errors
@@ -128,6 +197,11 @@ const std::vector<MetricField>& MetricFields() {
        [](const M& m) { return m.position_percent; }},
       {"end_error_m", "position error of the last pose (e_end)", "e_end", "m",
        [](const M& m) -> Value { return m.end_error; }},
+      {"roll_rms_rad", "roll error, RMS", "RMS_rol", "rad", [](const M& m) { return m.roll_rms; }},
+      {"pitch_rms_rad", "pitch error, RMS", "RMS_pit", "rad", [](const M& m) { return m.pitch_rms; }},
+      {"z_rms_m", "height error, RMS", "RMS_z", "m", [](const M& m) { return m.z_rms; }},
+      {"position_3d_rms_m", "position error in space, RMS", "RMS_3d", "m",
+       [](const M& m) { return m.position_3d_rms; }},
       {"ate_se2_rmse_m", "ATE after SE(2) alignment, RMSE", "ATE", "m", [](const M& m) -> Value { return m.ate_rmse; }},
       {"ate_se2_median_m", "ATE after SE(2) alignment, median", "ATE_med", "m",
        [](const M& m) -> Value { return m.ate_median; }},

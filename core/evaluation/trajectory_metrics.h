@@ -14,6 +14,12 @@ namespace arborslam {
 /// The figures of one run (Nazate-Burgos et al. 2026, section on metrics), over its N matched poses. All but the last
 /// three depend on the alignment; lengths and distances are taken in the plane, except after an alignment in space.
 /// A figure is absent where it is not defined.
+///
+/// Roll, pitch and height are no concern of the paper's. Roll and pitch are those of yaw, pitch, roll (Z-Y'-X''): what
+/// is left of the attitude when the yaw is taken off, that is how the body leans in the frame whose z axis points up.
+/// An alignment in the plane does not touch them; after one in space they are the aligned estimate's. Where no pose of
+/// estimate or reference has any roll or pitch, or where none has a z other than 0, that trajectory is planar and the
+/// figures of it are absent.
 struct TrajectoryMetrics {
   double position_mean = 0.0;                ///< e_p [m]: mean norm of the position error.
   double position_rms = 0.0;                 ///< RMS of the same [m].
@@ -25,6 +31,10 @@ struct TrajectoryMetrics {
   std::optional<double> step_rotation_rms;   ///< RMS of the same [rad].
   std::optional<double> position_percent;    ///< e_p% [%]: e_p / path length * 100; needs a path that is not 0.
   double end_error = 0.0;                    ///< e_end [m]: position error of the last pose.
+  std::optional<double> roll_rms;            ///< RMS of estimated less true roll [rad]; needs attitudes.
+  std::optional<double> pitch_rms;           ///< RMS of estimated less true pitch [rad]; needs attitudes.
+  std::optional<double> z_rms;               ///< RMS of the height error [m], see `z_offset`; needs heights.
+  std::optional<double> position_3d_rms;     ///< RMS of the norm of the error in x, y and height [m]; needs heights.
   double ate_rmse = 0.0;                     ///< [m] after SE(2) alignment, whatever the alignment of the others.
   double ate_median = 0.0;                   ///< [m] likewise.
   double ate_max = 0.0;                      ///< [m] likewise.
@@ -34,6 +44,9 @@ struct TrajectoryMetrics {
 struct TrajectoryEvaluation {
   AlignmentKind alignment = AlignmentKind::kSe2;
   Eigen::Isometry3d T_reference_estimate = Eigen::Isometry3d::Identity();
+  /// [m], added to the aligned estimate's z before heights are compared, and to nothing else. Planar alignments leave
+  /// the height open: with `kSe2` the mean heights coincide, with `kOrigin` the first ones; otherwise this is 0.
+  double z_offset = 0.0;
   std::vector<PosePair> aligned_pairs;  ///< The estimates moved by T_reference_estimate.
   std::vector<double> path;             ///< [m] length of the reference's path from the first pair to this one.
   std::vector<double> position_errors;  ///< [m], one per pair.

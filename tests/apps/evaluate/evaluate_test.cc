@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -65,6 +66,41 @@ class EvaluateTest : public testing::Test {
     return Write(name, text);
   }
 
+  // A loop in space, its height raised by `lift`, its roll by `roll`.
+  std::string WriteLeaningLoop(const std::string& name, double lift, double roll) {
+    std::string text;
+    for (int i = 0; i < 100; ++i) {
+      const double t = 0.0628 * i;
+      const Eigen::Quaterniond q = Eigen::AngleAxisd(t, Eigen::Vector3d::UnitZ()) *
+                                   Eigen::AngleAxisd(0.1 * std::sin(9.0 * t), Eigen::Vector3d::UnitY()) *
+                                   Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX());
+      char line[256];
+      std::snprintf(line, sizeof(line), "%.3f %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n", 0.1 * i, 10.0 * std::sin(t),
+                    10.0 - 10.0 * std::cos(t), std::sin(5.0 * t) + lift * i, q.x(), q.y(), q.z(), q.w());
+      text += line;
+    }
+    return Write(name, text);
+  }
+
+  // A map_server map of 6 x 4 cells of 0.5 m from (-1, -1) on, drawn with rows from the top: '#' occupied, '.' free.
+  void WriteMap(const std::string& name, const std::string& cells, double origin_x = -1.0, double origin_y = -1.0) {
+    std::string pixels;
+    for (const char cell : cells) pixels += cell == '#' ? '\x00' : cell == '.' ? '\xfe' : '\xcd';
+    Write(name + ".pgm", "P5\n6 4\n255\n" + pixels);
+    Write(name + ".yaml", "image: " + name + ".pgm\nresolution: 0.5\norigin: [" + std::to_string(origin_x) + ", " +
+                              std::to_string(origin_y) +
+                              ", 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n");
+  }
+
+  void WriteSummary(const std::string& name, double median_ms, bool has_errors) {
+    nlohmann::json summary = {{"scans", {{"matched", 95}, {"rejected", 5}, {"degenerate", 20}}},
+                              {"loops", {{"accepted", 7}}},
+                              {"peak_memory_mib", 61.26},
+                              {"time_ms", {{"scan_total", {{"median", median_ms}, {"p95", 8.5}}}}}};
+    if (has_errors) summary["errors"]["odometry"]["ate_se2_rmse_m"] = 0.039;
+    Write(name, summary.dump());
+  }
+
   Outcome Run(const std::string& arguments) const {
     const std::string err_path = Path("stderr.txt");
     const std::string command = std::string("cd '") + folder_.string() +
@@ -113,7 +149,8 @@ TEST_F(EvaluateTest, HelpIsShortAndNamesEveryFlag) {
   EXPECT_EQ(outcome.err, "");
   EXPECT_LT(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 40);
   for (const char* flag : {"--estimate", "--reference", "--align", "--json", "--plot", "--max_time_difference",
-                           "--interpolate", "--help", "--version"}) {
+                           "--interpolate", "--map", "--map_reference", "--map_tolerance", "--map_beyond_is_unknown",
+                           "--summary", "--markdown", "--columns", "--labels", "--help", "--version"}) {
     EXPECT_NE(outcome.out.find(flag), std::string::npos) << flag;
   }
   EXPECT_EQ(outcome.out.find("flagfile"), std::string::npos);
@@ -169,6 +206,140 @@ TEST_F(EvaluateTest, SeveralRunsAreSummarised) {
   EXPECT_EQ(table.exit_code, 0) << table.err;
   EXPECT_NE(table.out.find("b.tum against b.tum"), std::string::npos) << table.out;
   EXPECT_NE(table.out.find("\n+- "), std::string::npos) << table.out;
+}
+
+TEST_F(EvaluateTest, RollPitchAndHeightWhereBothHaveThem) {
+  WriteLeaningLoop("reference.tum", 0.0, 0.0);
+  WriteLeaningLoop("estimate.tum", 0.01, 0.02);
+  const nlohmann::json run = RunToJson("--estimate estimate.tum --reference reference.tum").at("runs").at(0);
+  EXPECT_NEAR(run.at("roll_rms_rad"), 0.02, 1e-6);
+  EXPECT_LT(run.at("pitch_rms_rad"), 1e-6);
+  // A ramp of 0.01 m a pose less its mean.
+  EXPECT_NEAR(run.at("z_offset_m"), -0.01 * 49.5, 1e-6);
+  EXPECT_NEAR(run.at("z_rms_m"), 0.01 * std::sqrt((100.0 * 100.0 - 1.0) / 12.0), 1e-6);
+  EXPECT_NEAR(run.at("position_3d_rms_m"), run.at("z_rms_m"), 1e-6);
+  WriteLoop("planar.tum");
+  const nlohmann::json planar = RunToJson("--estimate planar.tum --reference reference.tum").at("runs").at(0);
+  for (const char* key : {"roll_rms_rad", "pitch_rms_rad", "z_rms_m", "position_3d_rms_m"}) {
+    EXPECT_TRUE(planar.at(key).is_null()) << key;
+  }
+}
+
+TEST_F(EvaluateTest, MapsAloneAreComparedAsTheyLie) {
+  WriteMap("truth", "##.........#......##....");
+  WriteMap("map", "#..........#.....#......");
+  const nlohmann::json json = RunToJson("--map map.yaml --map_reference truth.yaml");
+  EXPECT_EQ(json.at("map_tolerance_m"), 0.0);
+  const nlohmann::json& run = json.at("runs").at(0);
+  EXPECT_FALSE(run.contains("estimate"));
+  EXPECT_FALSE(run.contains("position_rms_m"));
+  EXPECT_DOUBLE_EQ(run.at("map_precision"), 2.0 / 3.0);
+  EXPECT_DOUBLE_EQ(run.at("map_sensitivity"), 2.0 / 5.0);
+  EXPECT_DOUBLE_EQ(run.at("map_accuracy"), 20.0 / 24.0);
+  EXPECT_EQ(run.at("map").at("true_negative_cells"), 18);
+  EXPECT_EQ(run.at("map").at("false_negative_cells"), 3);
+  const nlohmann::json near =
+      RunToJson("--map map.yaml --map_reference truth.yaml --map_tolerance 0.5").at("runs").at(0);
+  EXPECT_DOUBLE_EQ(near.at("map_precision"), 1.0);
+  EXPECT_DOUBLE_EQ(near.at("map_sensitivity"), 3.0 / 5.0);
+  const Outcome table = Run("--map map.yaml --map_reference truth.yaml --map_tolerance 0.5");
+  EXPECT_EQ(table.exit_code, 0) << table.err;
+  EXPECT_NE(table.out.find("map precision"), std::string::npos) << table.out;
+  EXPECT_NE(table.out.find("3 of its 5 found"), std::string::npos) << table.out;
+  EXPECT_EQ(table.out.find("estimate  "), std::string::npos) << table.out;
+}
+
+TEST_F(EvaluateTest, AMapIsMovedAsItsTrajectoryIs) {
+  WriteLoop("reference.tum");
+  WriteMap("truth", "##.........#......##....");
+  // The estimate's frame is the reference's, moved by (-2, 3): so are its map and its trajectory.
+  WriteLoop("estimate.tum", 2.0, -3.0);
+  WriteMap("map", "##.........#......##....", 1.0, -4.0);
+  const std::string arguments =
+      "--estimate estimate.tum --reference reference.tum --map map.yaml --map_reference truth.yaml ";
+  for (const char* align : {"se2", "se3", "origin"}) {
+    const nlohmann::json run = RunToJson(arguments + "--align " + align).at("runs").at(0);
+    EXPECT_DOUBLE_EQ(run.at("map_precision"), 1.0) << align;
+    EXPECT_DOUBLE_EQ(run.at("map_sensitivity"), 1.0) << align;
+    EXPECT_DOUBLE_EQ(run.at("map_accuracy"), 1.0) << align;
+    EXPECT_NEAR(run.at("map").at("T_reference_map").at(1), 3.0, 1e-6) << align;
+    EXPECT_LT(run.at("position_rms_m"), 1e-6) << align;
+  }
+  const nlohmann::json run = RunToJson(arguments + "--align none").at("runs").at(0);
+  EXPECT_LT(run.at("map_sensitivity"), 0.5);
+  EXPECT_GT(run.at("map").at("outside_cells"), 0);
+  EXPECT_EQ(run.at("map").at("unjudged_cells"), 0);
+  const nlohmann::json open = RunToJson(arguments + "--align none --map_beyond_is_unknown");
+  EXPECT_EQ(open.at("map_beyond_is_unknown"), true);
+  EXPECT_EQ(open.at("runs").at(0).at("map").at("unjudged_cells"), run.at("map").at("outside_cells"));
+}
+
+TEST_F(EvaluateTest, SeveralMapsAndSummariesMakeOneTable) {
+  WriteLoop("a.tum");
+  WriteMap("truth", "##.........#......##....");
+  WriteMap("poor", "#......................#");
+  WriteSummary("1.json", 2.0, true);
+  WriteSummary("2.json", 3.0, false);
+  const std::string arguments =
+      "--estimate a.tum a.tum --reference a.tum --map truth.yaml poor.yaml --map_reference truth.yaml "
+      "--summary 1.json 2.json --labels 'seed 1' 'seed|2' ";
+  const nlohmann::json json = RunToJson(arguments);
+  EXPECT_EQ(json.at("runs").at(1).at("label"), "seed|2");
+  EXPECT_DOUBLE_EQ(json.at("summary").at("map_precision").at("mean"), 0.75);
+  EXPECT_DOUBLE_EQ(json.at("summary").at("scan_time_median_ms").at("mean"), 2.5);
+  EXPECT_DOUBLE_EQ(json.at("runs").at(0).at("rejected_percent"), 5.0);
+  EXPECT_DOUBLE_EQ(json.at("runs").at(0).at("degenerate_percent"), 20.0);
+  EXPECT_EQ(json.at("summary").at("odometry_ate_se2_rmse_m").at("runs"), 1);
+  EXPECT_TRUE(json.at("runs").at(1).at("odometry_ate_se2_rmse_m").is_null());
+  const Outcome table = Run(arguments);
+  EXPECT_EQ(table.exit_code, 0) << table.err;
+  EXPECT_NE(table.out.find("m_prec"), std::string::npos) << table.out;
+  EXPECT_EQ(table.out.find("RMS_z "), std::string::npos) << "no run has heights\n" << table.out;
+
+  const std::string columns =
+      "--columns map_precision odometry_ate_se2_rmse_m scan_time_median_ms loops_accepted z_rms_m ";
+  EXPECT_EQ(Run(arguments + columns + "--markdown table.md").exit_code, 0);
+  EXPECT_EQ(ReadFile(Path("table.md")),
+            "| run | m_prec | odo_ATE [m] | t_med [ms] | loops | RMS_z [m] |\n"
+            "|---|---:|---:|---:|---:|---:|\n"
+            "| seed 1 | 1.0000 | 0.0390 | 2.00 | 7 | - |\n"
+            "| seed\\|2 | 0.5000 | - | 3.00 | 7 | - |\n"
+            "| mean | 0.7500 ± 0.4900 | 0.0390 | 2.50 ± 0.98 | 7 ± 0 | - |\n");
+  EXPECT_EQ(Run("--map poor.yaml --map_reference truth.yaml --columns map_sensitivity --markdown one.md")
+                .out.find("map precision"),
+            std::string::npos);
+  EXPECT_EQ(ReadFile(Path("one.md")), "| run | m_sens |\n|---|---:|\n| 1 | 0.2000 |\n");
+}
+
+TEST_F(EvaluateTest, MapsAndSummariesThatCannotBeUsed) {
+  WriteLoop("a.tum");
+  WriteMap("a", "##......................");
+  WriteMap("empty", "........................");
+  Write("no.json", "{\"scans\": 3}");
+  Write("noise.json", "PK???");
+  const std::string maps = "--map a.yaml --map_reference a.yaml ";
+  ExpectError("--map a.yaml", 2, "--map_reference FILE is missing");
+  ExpectError("--map_reference a.yaml", 2, "--map FILE is missing");
+  ExpectError("--reference a.tum " + maps, 2, "--estimate FILE is missing");
+  ExpectError("--map a.yaml a.yaml a.yaml --map_reference a.yaml a.yaml", 2, "2 files for 3 of --map");
+  ExpectError("--estimate a.tum a.tum --reference a.tum " + maps, 2, "--map has 1 values for 2 runs");
+  ExpectError(maps + "--labels a b", 2, "--labels has 2 values for 1 runs");
+  ExpectError(maps + "--summary a b", 2, "--summary has 2 values for 1 runs");
+  ExpectError(maps + "--plot x.png", 2, "--plot draws trajectories");
+  ExpectError(maps + "--columns ate", 2, "'ate', which is none of: path_length_m, position_mean_m");
+  ExpectError(maps + "--map_tolerance -1", 2, "--map_tolerance is -1.0");
+  ExpectError(maps + "--map_tolerance nan", 2, "must be 0 m or more");
+  ExpectError(maps + "--map_tolerance 100", 1, "a.yaml against a.yaml: the tolerance is 100");
+  ExpectError("--map a.yaml --map_reference empty.yaml", 1, "the reference map has no occupied cell");
+  ExpectError("--map missing.yaml --map_reference a.yaml", 1, "missing.yaml");
+  ExpectError("--map a.tum --map_reference a.yaml", 1, "a.tum");
+  ExpectError(maps + "--summary noise.json", 1, "noise.json: is not JSON");
+  ExpectError(maps + "--summary no.json", 1, "no.json: has no number at /scans/matched");
+  ExpectError(maps + "--markdown a.yaml", 2, "would be written over the file of --map");
+  ExpectError(maps + "--markdown x --json x", 2, "choose two names");
+  const nlohmann::json run = RunToJson("--map empty.yaml --map_reference a.yaml").at("runs").at(0);
+  EXPECT_TRUE(run.at("map_precision").is_null());
+  EXPECT_EQ(run.at("map_sensitivity"), 0.0);
 }
 
 TEST_F(EvaluateTest, InterpolatesAcrossGapsWhenAsked) {

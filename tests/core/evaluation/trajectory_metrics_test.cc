@@ -10,6 +10,7 @@
 #include <string>
 
 #include "core/geometry/angles.h"
+#include "core/simulation/random.h"
 
 namespace arborslam {
 namespace {
@@ -148,6 +149,130 @@ TEST(TrajectoryMetricsTest, StepErrorsDoNotDependOnTheAlignment) {
   }
 }
 
+Eigen::Quaterniond FromYawPitchRoll(double yaw, double pitch, double roll) {
+  return Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
+         Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX());
+}
+
+// A loop of a body that leans and bounces.
+std::vector<StampedPose3> LeaningLoop(int count) {
+  std::vector<StampedPose3> poses = Loop(count);
+  for (size_t i = 0; i < poses.size(); ++i) {
+    const double t = static_cast<double>(i);
+    poses[i].orientation = poses[i].orientation * FromYawPitchRoll(0.0, 0.1 * std::sin(t), 0.2 * std::cos(0.7 * t));
+  }
+  return poses;
+}
+
+TEST(TrajectoryMetricsTest, RollPitchAndHeightAreComparedInThePlane) {
+  Random random(9);
+  const auto uniform = [&random] { return random.Uniform(-0.3, 0.3); };
+  std::vector<StampedPose3> references;
+  std::vector<StampedPose3> estimates;
+  std::vector<double> roll_errors;
+  std::vector<double> pitch_errors;
+  std::vector<double> height_errors;
+  for (const StampedPose3& pose : Loop(50)) {
+    const double yaw = Heading(pose.orientation);
+    const double pitch = uniform();
+    const double roll = uniform();
+    roll_errors.push_back(0.1 * uniform());
+    pitch_errors.push_back(0.1 * uniform());
+    height_errors.push_back(uniform());
+    references.push_back({pose.stamp, pose.position, FromYawPitchRoll(yaw, pitch, roll)});
+    // Another yaw must not matter to roll and pitch.
+    estimates.push_back({pose.stamp, pose.position + Eigen::Vector3d(0.0, 0.0, 3.0 + height_errors.back()),
+                         FromYawPitchRoll(yaw + uniform(), pitch + pitch_errors.back(), roll + roll_errors.back())});
+  }
+  const auto rms = [](const std::vector<double>& values, double offset) {
+    double sum = 0.0;
+    for (const double value : values) sum += (value - offset) * (value - offset);
+    return std::sqrt(sum / static_cast<double>(values.size()));
+  };
+  double mean_height_error = 0.0;
+  for (const double error : height_errors) mean_height_error += error / 50.0;
+
+  const Eigen::Isometry3d moved =
+      Eigen::Translation3d(100.0, -50.0, 0.0) * Eigen::AngleAxisd(2.1, Eigen::Vector3d::UnitZ());
+  std::vector<StampedPose3> moved_estimates;
+  for (const StampedPose3& pose : estimates) moved_estimates.push_back(Transform(moved, pose));
+  const std::vector<PosePair> pairs = Pairs(moved_estimates, references);
+
+  const TrajectoryEvaluation se2 = EvaluateTrajectory(pairs, true, AlignmentKind::kSe2);
+  EXPECT_NEAR(*se2.metrics.roll_rms, rms(roll_errors, 0.0), 1e-9);
+  EXPECT_NEAR(*se2.metrics.pitch_rms, rms(pitch_errors, 0.0), 1e-9);
+  EXPECT_NEAR(se2.z_offset, -3.0 - mean_height_error, 1e-9);
+  EXPECT_NEAR(*se2.metrics.z_rms, rms(height_errors, mean_height_error), 1e-9);
+  EXPECT_NEAR(*se2.metrics.position_3d_rms, *se2.metrics.z_rms, 1e-9);
+  EXPECT_LT(se2.metrics.position_rms, 1e-9);
+
+  const TrajectoryEvaluation origin = EvaluateTrajectory(pairs, true, AlignmentKind::kOrigin);
+  EXPECT_NEAR(*origin.metrics.roll_rms, rms(roll_errors, 0.0), 1e-9);
+  EXPECT_NEAR(*origin.metrics.z_rms, rms(height_errors, height_errors.front()), 1e-9);
+  EXPECT_NEAR(std::pow(*origin.metrics.position_3d_rms, 2),
+              std::pow(origin.metrics.position_rms, 2) + std::pow(*origin.metrics.z_rms, 2), 1e-9);
+
+  const TrajectoryEvaluation none = EvaluateTrajectory(pairs, true, AlignmentKind::kNone);
+  EXPECT_NEAR(*none.metrics.pitch_rms, rms(pitch_errors, 0.0), 1e-9);
+  EXPECT_NEAR(*none.metrics.z_rms, rms(height_errors, -3.0), 1e-9);
+  EXPECT_EQ(none.z_offset, 0.0);
+}
+
+TEST(TrajectoryMetricsTest, AnAlignmentInSpaceTurnsRollPitchAndHeightWithIt) {
+  const std::vector<StampedPose3> references = LeaningLoop(60);
+  const Eigen::Isometry3d spatial =
+      Eigen::Translation3d(4.0, -5.0, 6.0) * Eigen::AngleAxisd(0.3, Eigen::Vector3d(1.0, 2.0, 3.0).normalized());
+  std::vector<StampedPose3> estimates;
+  for (const StampedPose3& pose : references) estimates.push_back(Transform(spatial, pose));
+  const TrajectoryMetrics se3 = EvaluateTrajectory(Pairs(estimates, references), true, AlignmentKind::kSe3).metrics;
+  EXPECT_LT(*se3.roll_rms, 1e-9);
+  EXPECT_LT(*se3.pitch_rms, 1e-9);
+  EXPECT_LT(*se3.z_rms, 1e-9);
+  EXPECT_LT(*se3.position_3d_rms, 1e-9);
+  EXPECT_GT(*EvaluateTrajectory(Pairs(estimates, references), true, AlignmentKind::kSe2).metrics.roll_rms, 0.05);
+
+  std::vector<StampedPose3> bumpy = references;
+  for (size_t i = 0; i < bumpy.size(); ++i) bumpy[i].position.z() += i % 2 == 0 ? 0.5 : -0.5;
+  const TrajectoryMetrics m = EvaluateTrajectory(Pairs(bumpy, references), true, AlignmentKind::kSe3).metrics;
+  EXPECT_EQ(*m.position_3d_rms, m.position_rms);
+  EXPECT_NEAR(*m.z_rms, 0.5, 0.01);
+}
+
+TEST(TrajectoryMetricsTest, RollBeyondThePlumbIsComparedTheShortWay) {
+  StampedPose3 estimate = PoseAt(0, 0.0, 0.0, 1.0, 0.0);
+  StampedPose3 reference = estimate;
+  estimate.orientation = FromYawPitchRoll(0.4, 0.0, 3.1);
+  reference.orientation = FromYawPitchRoll(-0.4, 0.0, -3.1);
+  const TrajectoryMetrics m = EvaluateTrajectory({{estimate, reference}}, true, AlignmentKind::kNone).metrics;
+  EXPECT_NEAR(*m.roll_rms, 2.0 * kPi - 6.2, 1e-9);
+}
+
+TEST(TrajectoryMetricsTest, APlanarTrajectoryHasNoRollPitchOrHeight) {
+  const std::vector<StampedPose3> leaning = LeaningLoop(30);
+  std::vector<StampedPose3> flat = Loop(30);
+  for (StampedPose3& pose : flat) pose.position.z() = 0.0;
+  std::vector<StampedPose3> leaning_at_no_height = leaning;
+  for (StampedPose3& pose : leaning_at_no_height) pose.position.z() = 0.0;
+  for (const AlignmentKind kind :
+       {AlignmentKind::kNone, AlignmentKind::kOrigin, AlignmentKind::kSe2, AlignmentKind::kSe3}) {
+    for (const std::vector<PosePair>& pairs : {Pairs(flat, leaning), Pairs(leaning, flat), Pairs(flat, flat)}) {
+      const TrajectoryMetrics m = EvaluateTrajectory(pairs, true, kind).metrics;
+      EXPECT_FALSE(m.roll_rms) << ToString(kind);
+      EXPECT_FALSE(m.pitch_rms) << ToString(kind);
+      EXPECT_FALSE(m.z_rms) << ToString(kind);
+      EXPECT_FALSE(m.position_3d_rms) << ToString(kind);
+    }
+    // Heights without attitudes and the reverse.
+    const TrajectoryMetrics heights = EvaluateTrajectory(Pairs(Loop(30), leaning), true, kind).metrics;
+    EXPECT_FALSE(heights.roll_rms) << ToString(kind);
+    EXPECT_TRUE(heights.z_rms) << ToString(kind);
+    const TrajectoryMetrics attitudes = EvaluateTrajectory(Pairs(leaning_at_no_height, leaning), true, kind).metrics;
+    EXPECT_TRUE(attitudes.pitch_rms) << ToString(kind);
+    EXPECT_FALSE(attitudes.position_3d_rms) << ToString(kind);
+    EXPECT_FALSE(EvaluateTrajectory(Pairs(leaning, leaning), false, kind).metrics.roll_rms) << ToString(kind);
+  }
+}
+
 TEST(TrajectoryMetricsTest, WithoutHeadingsTheirFiguresAreAbsent) {
   const TrajectoryMetrics m = EvaluateTrajectory(HandMadePairs(), false, AlignmentKind::kSe2).metrics;
   EXPECT_FALSE(m.heading_mean);
@@ -190,9 +315,13 @@ TEST(TrajectoryMetricsTest, FieldsCoverEveryFigureOnce) {
   m.step_rotation_rms = 8.0;
   m.position_percent = 9.0;
   m.end_error = 10.0;
-  m.ate_rmse = 11.0;
-  m.ate_median = 12.0;
-  m.ate_max = 13.0;
+  m.roll_rms = 11.0;
+  m.pitch_rms = 12.0;
+  m.z_rms = 13.0;
+  m.position_3d_rms = 14.0;
+  m.ate_rmse = 15.0;
+  m.ate_median = 16.0;
+  m.ate_max = 17.0;
   std::set<std::string> keys;
   double expected = 1.0;
   for (const MetricField& field : MetricFields()) {
@@ -200,7 +329,7 @@ TEST(TrajectoryMetricsTest, FieldsCoverEveryFigureOnce) {
     expected += 1.0;
     keys.insert(field.key);
   }
-  EXPECT_EQ(keys.size(), 13u);
+  EXPECT_EQ(keys.size(), 17u);
 }
 
 TEST(RunSummaryTest, MeanAndHalfWidth) {

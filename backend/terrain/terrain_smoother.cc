@@ -1,0 +1,233 @@
+#include "backend/terrain/terrain_smoother.h"
+
+#include <Eigen/Dense>
+#include <Eigen/Sparse>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "core/config/validation.h"
+#include "frontend/tracking/terrain_fit.h"
+
+namespace arborslam {
+namespace {
+
+constexpr int kIterations = 3;
+// [m], roughness of ground, and distance at which a sample's weight has fallen to a half.
+constexpr double kRoughness = 0.05;
+constexpr double kRobustScale = 0.15;
+// [m], standard deviation of the difference in height of neighbouring nodes, per metre between them.
+constexpr double kNodeSlope = 0.3;
+// [m], of the first view's height, which fixes the level of the map.
+constexpr double kAnchorSigma = 1e-3;
+
+// A place as a mixture of the four nodes around it.
+struct Mixture {
+  std::array<int, 4> nodes;
+  std::array<double, 4> shares;
+};
+
+class NodeGrid {
+ public:
+  explicit NodeGrid(double spacing) : spacing_(spacing) {}
+
+  Mixture At(const Eigen::Vector2d& position) {
+    const Eigen::Vector2d cell = position / spacing_;
+    const auto x = static_cast<int64_t>(std::floor(cell.x()));
+    const auto y = static_cast<int64_t>(std::floor(cell.y()));
+    const double u = cell.x() - static_cast<double>(x);
+    const double v = cell.y() - static_cast<double>(y);
+    return {{Node(x, y), Node(x + 1, y), Node(x, y + 1), Node(x + 1, y + 1)},
+            {(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v}};
+  }
+
+  int size() const { return static_cast<int>(numbers_.size()); }
+
+  // Pairs of nodes beside each other.
+  std::vector<std::pair<int, int>> Neighbors() const {
+    std::vector<std::pair<int, int>> pairs;
+    for (const auto& [place, number] : numbers_) {
+      for (const auto& [dx, dy] : {std::pair<int, int>{1, 0}, std::pair<int, int>{0, 1}}) {
+        const auto found = numbers_.find({place.first + dx, place.second + dy});
+        if (found != numbers_.end()) pairs.push_back({number, found->second});
+      }
+    }
+    return pairs;
+  }
+
+ private:
+  int Node(int64_t x, int64_t y) { return numbers_.emplace(std::make_pair(x, y), size()).first->second; }
+
+  double spacing_;
+  std::map<std::pair<int64_t, int64_t>, int> numbers_;
+};
+
+// One view's part of the normal equations, its own unknowns (turns about base's x and y, z) eliminated.
+struct ViewSystem {
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d vector = Eigen::Vector3d::Zero();
+  std::vector<int> nodes;    // That the view sees, ascending.
+  Eigen::MatrixXd coupling;  // 3 x nodes.
+  Eigen::MatrixXd node_information;
+  Eigen::VectorXd node_vector;
+};
+
+// The mean of the ground that the views see, by node.
+Eigen::VectorXd InitialHeights(const std::vector<TerrainView>& views, const std::vector<std::vector<Mixture>>& mixtures,
+                               int num_nodes) {
+  Eigen::VectorXd sums = Eigen::VectorXd::Zero(num_nodes);
+  Eigen::VectorXd shares = Eigen::VectorXd::Constant(num_nodes, 1e-9);
+  for (size_t i = 0; i < views.size(); ++i) {
+    const Eigen::Isometry3d T_base_lidar = views[i].tilt.Transform();
+    for (size_t j = 0; j < views[i].samples.size(); ++j) {
+      const double z = (T_base_lidar * views[i].samples[j].position.cast<double>()).z();
+      for (size_t k = 0; k < 4; ++k) {
+        sums[mixtures[i][j].nodes[k]] += mixtures[i][j].shares[k] * z;
+        shares[mixtures[i][j].nodes[k]] += mixtures[i][j].shares[k];
+      }
+    }
+  }
+  return sums.cwiseQuotient(shares);
+}
+
+ViewSystem Linearize(const TerrainView& view, const std::vector<Mixture>& mixtures, const Eigen::VectorXd& heights,
+                     const TerrainOptions& options) {
+  ViewSystem system;
+  for (const Mixture& mixture : mixtures) {
+    system.nodes.insert(system.nodes.end(), mixture.nodes.begin(), mixture.nodes.end());
+  }
+  std::sort(system.nodes.begin(), system.nodes.end());
+  system.nodes.erase(std::unique(system.nodes.begin(), system.nodes.end()), system.nodes.end());
+  const auto num_nodes = static_cast<Eigen::Index>(system.nodes.size());
+  system.coupling = Eigen::MatrixXd::Zero(3, num_nodes);
+  system.node_information = Eigen::MatrixXd::Zero(num_nodes, num_nodes);
+  system.node_vector = Eigen::VectorXd::Zero(num_nodes);
+
+  const double slope_information = 1.0 / (options.slope_sigma * options.slope_sigma);
+  system.information.diagonal() << slope_information, slope_information, 0.0;
+  system.vector << slope_information * (view.local_tilt.roll - view.tilt.roll),
+      slope_information * (view.local_tilt.pitch - view.tilt.pitch), 0.0;
+  const Eigen::Matrix3d rotation = view.tilt.Rotation();
+  for (size_t i = 0; i < view.samples.size(); ++i) {
+    const Eigen::Vector3d point = rotation * view.samples[i].position.cast<double>();
+    const Mixture& mixture = mixtures[i];
+    std::array<Eigen::Index, 4> local{};
+    double ground = 0.0;
+    for (size_t k = 0; k < 4; ++k) {
+      local[k] = std::lower_bound(system.nodes.begin(), system.nodes.end(), mixture.nodes[k]) - system.nodes.begin();
+      ground += mixture.shares[k] * heights[mixture.nodes[k]];
+    }
+    const double residual = view.tilt.z + point.z() - ground;
+    const double ratio = residual / kRobustScale;
+    const double weight = 1.0 / (kRoughness * kRoughness * (1.0 + ratio * ratio));
+    const Eigen::Vector3d jacobian(point.y(), -point.x(), 1.0);
+    system.information += weight * jacobian * jacobian.transpose();
+    system.vector -= weight * residual * jacobian;
+    for (size_t k = 0; k < 4; ++k) {
+      system.coupling.col(local[k]) -= weight * mixture.shares[k] * jacobian;
+      system.node_vector[local[k]] += weight * residual * mixture.shares[k];
+      for (size_t l = 0; l < 4; ++l) {
+        system.node_information(local[k], local[l]) += weight * mixture.shares[k] * mixture.shares[l];
+      }
+    }
+  }
+  return system;
+}
+
+}  // namespace
+
+std::string TerrainOptions::Validate() const {
+  if (!(cell_size >= 0.1 && cell_size <= 20.0)) return Violation("cell_size", cell_size, "lie in [0.1, 20] m");
+  if (!(node_spacing >= 0.2 && node_spacing <= 50.0)) {
+    return Violation("node_spacing", node_spacing, "lie in [0.2, 50] m");
+  }
+  if (!(keyframe_spacing >= 0.0)) return Violation("keyframe_spacing", keyframe_spacing, "be at least 0 m");
+  if (!(slope_sigma > 0.0)) return Violation("slope_sigma", slope_sigma, "be above 0 rad");
+  return "";
+}
+
+TerrainMap SmoothTerrain(const TerrainOptions& options, std::vector<TerrainView>* views) {
+  TerrainMap terrain(options.cell_size);
+  if (views->empty()) return terrain;
+  NodeGrid grid(options.node_spacing);
+  std::vector<std::vector<Mixture>> mixtures(views->size());
+  for (size_t i = 0; i < views->size(); ++i) {
+    const TerrainView& view = (*views)[i];
+    for (const GroundSample& sample : view.samples) {
+      const Eigen::Vector3d point = view.tilt.Rotation() * sample.position.cast<double>();
+      mixtures[i].push_back(grid.At(view.T_map_base * Eigen::Vector2d(point.head<2>())));
+    }
+  }
+  const std::vector<std::pair<int, int>> neighbors = grid.Neighbors();
+  const double node_step = kNodeSlope * options.node_spacing;
+  const double smoothness = 1.0 / (node_step * node_step);
+  const double anchor = 1.0 / (kAnchorSigma * kAnchorSigma);
+  const double anchor_height = views->front().tilt.z;
+
+  Eigen::VectorXd heights = InitialHeights(*views, mixtures, grid.size());
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    std::vector<ViewSystem> systems;
+    std::vector<Eigen::Triplet<double>> triplets;
+    Eigen::VectorXd vector = Eigen::VectorXd::Zero(grid.size());
+    for (size_t i = 0; i < views->size(); ++i) {
+      systems.push_back(Linearize((*views)[i], mixtures[i], heights, options));
+      ViewSystem& system = systems.back();
+      if (i == 0) {
+        system.information(2, 2) += anchor;
+        system.vector.z() += anchor * (anchor_height - (*views)[i].tilt.z);
+      }
+      // A view without ground keeps its height.
+      system.information(2, 2) += 1e-9;
+      const Eigen::LDLT<Eigen::Matrix3d> factor(system.information);
+      const Eigen::MatrixXd reduced =
+          system.node_information - system.coupling.transpose() * factor.solve(system.coupling);
+      const Eigen::VectorXd reduced_vector =
+          system.node_vector - system.coupling.transpose() * factor.solve(system.vector);
+      for (Eigen::Index row = 0; row < reduced.rows(); ++row) {
+        const int node = system.nodes[static_cast<size_t>(row)];
+        vector[node] += reduced_vector[row];
+        for (Eigen::Index col = 0; col <= row; ++col) {
+          triplets.emplace_back(node, system.nodes[static_cast<size_t>(col)], reduced(row, col));
+        }
+      }
+    }
+    for (const auto& [a, b] : neighbors) {
+      const double difference = heights[a] - heights[b];
+      vector[a] -= smoothness * difference;
+      vector[b] += smoothness * difference;
+      triplets.emplace_back(a, a, smoothness);
+      triplets.emplace_back(b, b, smoothness);
+      triplets.emplace_back(std::max(a, b), std::min(a, b), -smoothness);
+    }
+    Eigen::SparseMatrix<double> information(grid.size(), grid.size());
+    information.setFromTriplets(triplets.begin(), triplets.end());
+    for (int node = 0; node < grid.size(); ++node) information.coeffRef(node, node) += 1e-6;
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> solver(information);
+    const Eigen::VectorXd step = solver.solve(vector);
+    heights += step;
+    for (size_t i = 0; i < views->size(); ++i) {
+      const ViewSystem& system = systems[i];
+      Eigen::VectorXd node_step_of_view(static_cast<Eigen::Index>(system.nodes.size()));
+      for (size_t k = 0; k < system.nodes.size(); ++k) {
+        node_step_of_view[static_cast<Eigen::Index>(k)] = step[system.nodes[k]];
+      }
+      const Eigen::Vector3d view_step =
+          system.information.ldlt().solve(system.vector - system.coupling * node_step_of_view);
+      Tilt3& tilt = (*views)[i].tilt;
+      tilt.roll += view_step.x();
+      tilt.pitch += view_step.y();
+      tilt.z += view_step.z();
+    }
+  }
+  for (const TerrainView& view : *views) {
+    const Eigen::Isometry3d T_map_lidar = Lift(view.T_map_base, view.tilt);
+    for (const GroundSample& sample : view.samples) {
+      terrain.Insert(T_map_lidar * sample.position.cast<double>(), sample.weight);
+    }
+  }
+  return terrain;
+}
+
+}  // namespace arborslam

@@ -1,0 +1,112 @@
+#ifndef ARBORSLAM_FRONTEND_PROJECTION_SWEEP_PROJECTION_H_
+#define ARBORSLAM_FRONTEND_PROJECTION_SWEEP_PROJECTION_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/sensor/planar_scan.h"
+
+namespace arborslam {
+
+/// Which returns of a 3D lidar stand for what is there, and how they become planar points.
+struct SweepProjectionOptions {
+  double min_range = 0.5;       ///< [m], nearer returns are the robot itself.
+  double max_range = 20.0;      ///< [m], farther returns are left out: tilt and terrain make them unsure.
+  double max_bearing = 3.1416;  ///< [rad], returns from farther behind than this are left out: an operator walks there.
+  double ground_margin = 0.18;  ///< [m], returns less than this above the ground are ground or grass,
+  double ground_growth = 0.008;  ///< [m] more per m of range.
+  /// [m], of paper eq. 5: returns above it are foliage and left out (eq. 6). 0: found out from the sweeps.
+  double mean_canopy_height = 0.0;
+  double column_width = 0.0;    ///< [deg], bearings this close are one column; 0: the sensor's own.
+  double column_depth = 0.1;    ///< [m], returns of a column that lie this close in range become one point.
+  double point_spacing = 0.03;  ///< [m], points of neighbouring columns closer than this become one.
+
+  std::string Validate() const;
+
+  template <class Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("min_range", min_range);
+    visit("max_range", max_range);
+    visit("max_bearing", max_bearing);
+    visit("ground_margin", ground_margin);
+    visit("ground_growth", ground_growth);
+    visit("mean_canopy_height", mean_canopy_height);
+    visit("column_width", column_width);
+    visit("column_depth", column_depth);
+    visit("point_spacing", point_spacing);
+  }
+};
+
+/// Paper eq. 5: lambda exp(-lambda z) with lambda = ln 2 / mean_canopy_height for z >= 0, else 0.
+double HeightLikelihood(double z, double mean_canopy_height);
+
+/// Paper eq. 6: beta_h = 0.5 ln 2 / mean_canopy_height. Since lambda exp(-lambda z) falls to lambda / 2 where z is the
+/// mean canopy height, keeping what is at least this likely is keeping 0 <= z <= mean_canopy_height.
+double MinHeightLikelihood(double mean_canopy_height);
+
+/// Reduces sweeps to planar scans. Keeps its memory from one sweep to the next.
+class SweepProjection {
+ public:
+  /// `options` must be valid.
+  explicit SweepProjection(const SweepProjectionOptions& options);
+
+  /// What `Project` reads of a sweep.
+  struct Input {
+    const std::vector<Eigen::Vector3f>* points;  ///< [m, lidar frame].
+    const std::vector<float>* heights;           ///< [m], of each point over the ground.
+    float lidar_height;                          ///< [m], of the lidar over the ground below it.
+    float mean_canopy_height;                    ///< [m]
+    float column_width;                          ///< [rad]
+  };
+
+  /// The planar points of a sweep in the frame that `R_base_lidar` turns upright, by bearing; each is the mean of
+  /// returns that lie over one another, `weights` says of how many. `free_ends` has one ray for every sector of
+  /// bearing in which the ground, or what stands on it, was seen from so low that nothing, not even a low cone, can
+  /// stand before it unseen; it ends before the nearest planar point.
+  PlanarScan Project(const Input& input, const Eigen::Matrix3f& R_base_lidar);
+
+ private:
+  struct Return {
+    float x;
+    float y;
+    float range;
+    uint32_t bin;  // Layer by layer, column by column.
+  };
+  // Returns of a bin at about one range.
+  struct Cluster {
+    Eigen::Vector2f sum;
+    float range;   // [m], mean.
+    float weight;  // Number of returns.
+    float solidity;
+    uint32_t bin;
+  };
+  // Clusters of neighbouring columns that are one planar point.
+  struct Point {
+    Eigen::Vector2f sum;
+    Eigen::Vector2f first;
+    float weight;
+    uint32_t column;
+  };
+
+  // How sure it is that `cluster` is something solid.
+  float Solidity(const Cluster& cluster, size_t num_columns, float tolerance) const;
+
+  SweepProjectionOptions options_;
+  std::vector<Return> kept_;
+  std::vector<Return> sorted_;
+  std::vector<uint32_t> bin_ends_;
+  std::vector<uint64_t> seen_;  // For each sector, the steps of range that were seen down to the ground.
+  std::vector<float> nearest_;  // [m], planar point of each sector.
+  std::vector<Cluster> clusters_;
+  std::vector<float> solidities_;
+  std::vector<Cluster> solid_;
+  std::vector<Point> points_;
+  std::vector<uint32_t> open_;  // Points that the last column began or went on with.
+  std::vector<uint32_t> still_open_;
+};
+
+}  // namespace arborslam
+
+#endif  // ARBORSLAM_FRONTEND_PROJECTION_SWEEP_PROJECTION_H_
