@@ -79,7 +79,7 @@ TEST(StampsOfNames, TakesNumbersForNumbers) {
   EXPECT_EQ(StampsOfNames({"1664464000.125", "1664464000.1250"}), std::nullopt) << "Twice the same.";
   EXPECT_EQ(StampsOfNames({"1664464000.125a"}), std::nullopt);
   EXPECT_EQ(StampsOfNames({"1664464000_1_2"}), std::nullopt);
-  EXPECT_EQ(StampsOfNames({"1664464000_1000000000"}), std::nullopt);
+  EXPECT_EQ(StampsOfNames({"1664464000_12345678901"}), std::nullopt);
   EXPECT_EQ(StampsOfNames({"12_345678901"}), std::nullopt);
   EXPECT_EQ(StampsOfNames({"vlp16_12.345"}), std::nullopt);
   EXPECT_EQ(StampsOfNames({"2022-09-29-16-00-00"}), std::nullopt);
