@@ -347,8 +347,7 @@ std::optional<Scan> SweepFolder::Next() {
   PointCloudFile file = ReadSweepFile(files_[next_]);
   LidarSweep& sweep = file.sweep;
   std::optional<PointTimeSpan> span;
-  if (point_clock_ != PointClock::kNone)
-    span = SpanOfPointTimes(file.raw_times, point_time_format_, max_span_);
+  if (point_clock_ != PointClock::kNone) span = SpanOfPointTimes(file.raw_times, point_time_format_, max_span_);
 
   const double stamp = !stamps_.empty() ? stamps_[next_] : span ? span->first : next_start_;
   ++next_;
