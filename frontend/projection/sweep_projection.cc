@@ -22,8 +22,10 @@ constexpr float kFreeMargin = 0.15f;  // [m], before a planar point.
 constexpr size_t kLayers = 8;
 constexpr float kLayerHeight = 0.5f;      // [m], how far over one another returns are looked at together.
 constexpr float kRangeTolerance = 0.05f;  // [m], between returns from a solid thing, plus a column's width.
-constexpr float kMinSolidity = 0.4f;
-constexpr size_t kMinPoints = 200;
+constexpr float kHalfWidth = 0.03f;      // [m], how far to the sides returns are compared, at least one column,
+constexpr int kMostColumns = 4;           // at most this many.
+constexpr float kMinSolidity = 0.45f;
+constexpr size_t kMinPoints = 50;
 constexpr size_t kMaxPoints = 1000;
 constexpr float kPiF = 3.14159265f;
 
@@ -61,17 +63,21 @@ double MinHeightLikelihood(double mean_canopy_height) { return 0.5 * kLn2 / mean
 
 SweepProjection::SweepProjection(const SweepProjectionOptions& options) : options_(options) {}
 
-float SweepProjection::Solidity(const Cluster& cluster, size_t num_columns, float tolerance) const {
-  // Of the bins of the columns before, of this and after it: returns, and those at the cluster's range.
+float SweepProjection::Solidity(const Cluster& cluster, size_t num_columns, float column_width) const {
+  const float tolerance = kRangeTolerance + column_width * cluster.range;
+  // Of the columns on either side and of the cluster's own: returns, and those at the cluster's range.
   float all[3] = {0.0f, 0.0f, 0.0f};
   float near[3] = {0.0f, 0.0f, 0.0f};
-  const size_t column = cluster.bin % num_columns;
-  for (size_t k = 0; k < 3; ++k) {
-    if ((k == 0 && column == 0) || (k == 2 && column + 1 == num_columns)) continue;
-    const size_t bin = cluster.bin + k - 1;
+  const auto column = static_cast<int>(cluster.bin % num_columns);
+  const int side = std::clamp(static_cast<int>(kHalfWidth / (cluster.range * column_width)), 1, kMostColumns);
+  const int first = std::max(-side, -column);
+  const int last = std::min(side, static_cast<int>(num_columns) - 1 - column);
+  for (int k = first; k <= last; ++k) {
+    const auto bin = static_cast<size_t>(static_cast<int>(cluster.bin) + k);
+    const int part = k < 0 ? 0 : (k == 0 ? 1 : 2);
     for (size_t i = bin == 0 ? 0 : bin_ends_[bin - 1]; i < bin_ends_[bin]; ++i) {
-      all[k] += 1.0f;
-      near[k] += std::abs(sorted_[i].range - cluster.range) <= tolerance ? 1.0f : 0.0f;
+      all[part] += 1.0f;
+      near[part] += std::abs(sorted_[i].range - cluster.range) <= tolerance ? 1.0f : 0.0f;
     }
   }
   const auto score = [](float n, float of) { return (n - 1.0f) / (of + 1.0f); };
@@ -154,7 +160,7 @@ PlanarScan SweepProjection::Project(const Input& input, const Eigen::Matrix3f& R
   }
   solidities_.clear();
   for (Cluster& cluster : clusters_) {
-    cluster.solidity = Solidity(cluster, num_columns, kRangeTolerance + input.column_width * cluster.range);
+    cluster.solidity = Solidity(cluster, num_columns, input.column_width);
     solidities_.push_back(cluster.solidity);
   }
   float least = kMinSolidity;

@@ -91,7 +91,7 @@ class SweepProjection {
   };
 
   // How sure it is that `cluster` is something solid.
-  float Solidity(const Cluster& cluster, size_t num_columns, float tolerance) const;
+  float Solidity(const Cluster& cluster, size_t num_columns, float column_width) const;
 
   SweepProjectionOptions options_;
   std::vector<Return> kept_;
