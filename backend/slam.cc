@@ -23,7 +23,7 @@ Slam::Slam(const SlamOptions& options, int num_threads)
     : options_(options),
       num_threads_(num_threads),
       matcher_(options.matcher, options.mhd, options.refinement),
-      reducer_(options.sweep, options.terrain.cell_size),
+      reducer_(options.reduction, options.sweep, options.dynamic, options.terrain.cell_size),
       tracker_(options.tracker, options.grid, options.matcher.max_distance, matcher_) {
   CHECK_GE(num_threads, 1);
 }
@@ -222,9 +222,8 @@ void Slam::FinishTerrain() {
   std::vector<TerrainView> views;
   for (const PosedScan& scan : scans_) {
     const SE2 pose = graph_.Pose(scan.keyframe) * scan.T_keyframe_scan;
-    const bool is_far =
-        views.empty() || (views.back().T_map_base.translation() - pose.translation()).norm() >=
-                             options_.terrain.keyframe_spacing;
+    const bool is_far = views.empty() || (views.back().T_map_base.translation() - pose.translation()).norm() >=
+                                             options_.terrain.keyframe_spacing;
     if (is_far && !scan.ground.empty()) views.push_back({pose, scan.ground, scan.local_tilt, scan.tilt});
   }
   const TerrainMap terrain = SmoothTerrain(options_.terrain, &views);

@@ -12,8 +12,10 @@
 #include "frontend/matching/modified_hausdorff.h"
 #include "frontend/matching/refinement.h"
 #include "frontend/projection/laser_projection.h"
+#include "frontend/projection/moving_object_filter.h"
 #include "frontend/projection/sweep_projection.h"
 #include "frontend/tracking/motion_model.h"
+#include "frontend/tracking/sweep_reducer.h"
 #include "frontend/tracking/tracker.h"
 
 namespace arborslam {
@@ -32,7 +34,9 @@ struct WindowOptions {
 /// Everything that can be set, one section per module.
 struct SlamOptions {
   ProjectionOptions projection;
+  ReductionOptions reduction;
   SweepProjectionOptions sweep;
+  MovingObjectOptions dynamic;
   MotionOptions motion;
   OccupancyGridOptions grid;
   MhdOptions mhd;
@@ -49,7 +53,9 @@ struct SlamOptions {
   template <class Visitor>
   void VisitSections(Visitor&& visit) {
     visit("projection", projection);
+    visit("reduction", reduction);
     visit("sweep", sweep);
+    visit("dynamic", dynamic);
     visit("motion", motion);
     visit("grid", grid);
     visit("mhd", mhd);

@@ -13,8 +13,8 @@ set -euo pipefail
 
 # What is switched off, one step a line: its name|the flags of arborslam_offline.
 readonly ablations=(
-  "no deskew|--set sweep.deskew=false"
-  "no levelling|--set sweep.level=false"
+  "no deskew|--set reduction.deskew=false"
+  "no levelling|--set reduction.level=false"
   "moving things kept|--set dynamic.enabled=false"
   "no loops|--odometry_only"
 )
@@ -154,7 +154,8 @@ evaluate() {
   done
   local map_flags=()
   if [[ ${#maps[@]} -gt 0 ]]; then
-    map_flags=(--map "${maps[@]}" --map_reference "${map_references[@]}" --map_tolerance "${map_tolerance}")
+    map_flags=(--map "${maps[@]}" --map_reference "${map_references[@]}" --map_tolerance "${map_tolerance}"
+      --map_beyond_is_unknown)
   fi
   "${bin}/arborslam_evaluate" --estimate "${estimates[@]}" --reference "${references[@]}" --summary "${summaries[@]}" \
     --labels "${labels[@]}" "${map_flags[@]}" --markdown "${table}" "$@" > "${table%.md}.txt"
@@ -254,7 +255,7 @@ matched, and that were matched with a direction that nothing held. The last row 
 seeds.
 EOT
   echo "m_prec, m_sens: precision and sensitivity of the map, aligned as the trajectory is, on the truth's 0.01 m grid with a"
-  echo "tolerance of ${map_tolerance} m."
+  echo "tolerance of ${map_tolerance} m; what lies beyond its edges is not judged."
   cat << 'EOT'
 
 ## Beside the paper

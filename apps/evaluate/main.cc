@@ -32,6 +32,7 @@ DEFINE_string(plot, "", "PNG file for the plot");
 DEFINE_double(max_time_difference, 0.02, "[s] between poses that belong together");
 DEFINE_double(interpolate, 0.0, "[s] gap of the reference that may be interpolated");
 DEFINE_double(map_tolerance, 0.0, "[m] between cells of maps that agree");
+DEFINE_bool(map_beyond_is_unknown, false, "judge no cells beyond the edges of the reference map");
 
 namespace arborslam {
 namespace {
@@ -56,6 +57,7 @@ errors; several runs get a row each and their mean +- 1.96 sd / sqrt(N).
                                 in the plane (se3: as by se2), or compared as it lies if there is none
   --map_reference FILE [...]    their references, or one for all: precision, sensitivity and accuracy on its grid
   --map_tolerance M             occupied cells agree if their centres are no more than M metres apart (default 0)
+  --map_beyond_is_unknown       do not judge what a map has beyond the edges of its reference (default: it is false)
   --summary FILE [FILE ...]     the runs' summary.json, for time, memory and the error of odometry.tum
   --json FILE                   write the figures as JSON: alignment, runs[] and summary, each figure under its name
                                 with its unit (position_rms_m, ate_se2_rmse_m, ...), null where not defined
@@ -143,8 +145,8 @@ SE2 PlanarAlignment(const std::optional<EvaluatedTrajectory>& trajectory, Alignm
 EvaluatedMap EvaluateMapFiles(const std::string& map_path, const std::string& reference_path,
                               const SE2& T_reference_map, const EvaluationSettings& settings) {
   EvaluatedMap map{map_path, reference_path, T_reference_map, {}};
-  map.metrics = CompareMaps(ReadMapServer(map_path), ReadMapServer(reference_path), T_reference_map,
-                            settings.map_tolerance, map_path + " against " + reference_path);
+  map.metrics = CompareMaps(ReadMapServer(map_path), ReadMapServer(reference_path), T_reference_map, settings.map,
+                            map_path + " against " + reference_path);
   return map;
 }
 
@@ -232,7 +234,8 @@ int Run(const MultiFlags& files) {
   settings.alignment = *ParseAlignmentKind(FLAGS_align);
   settings.association.max_time_difference = FLAGS_max_time_difference;
   settings.association.max_interpolation_gap = FLAGS_interpolate;
-  settings.map_tolerance = FLAGS_map_tolerance;
+  settings.map.tolerance = FLAGS_map_tolerance;
+  settings.map.beyond_is_unknown = FLAGS_map_beyond_is_unknown;
 
   std::vector<EvaluatedRun> runs;
   for (size_t i = 0; i < NumRuns(files); ++i) runs.push_back(EvaluateRun(files, i, settings));

@@ -59,7 +59,10 @@ std::string MapText(const MapMetrics& metrics) {
          std::to_string(metrics.reference_occupied) + " found";
 }
 
-std::string ToleranceText(const EvaluationSettings& settings) { return ShortestText(settings.map_tolerance) + " m"; }
+std::string ToleranceText(const EvaluationSettings& settings) {
+  return ShortestText(settings.map.tolerance) + " m; beyond the reference's edges " +
+         (settings.map.beyond_is_unknown ? "cells are not judged" : "cells are false");
+}
 
 std::optional<RunSummary> Summarize(const std::vector<EvaluatedRun>& runs, const Figure& figure) {
   std::vector<double> values;
@@ -106,7 +109,7 @@ std::string FormatManyRuns(const std::vector<EvaluatedRun>& runs, const std::vec
                            const EvaluationSettings& settings) {
   std::string text;
   if (runs.front().trajectory) text += "alignment  " + Describe(settings.alignment) + "\n";
-  if (runs.front().map) text += "tolerance  " + ToleranceText(settings) + " of maps\n";
+  if (runs.front().map) text += "tolerance  " + ToleranceText(settings) + " (maps)\n";
   size_t label_width = kMinLabelWidth;
   for (const EvaluatedRun& run : runs) {
     label_width = std::max(label_width, run.label.size());
@@ -243,7 +246,10 @@ nlohmann::ordered_json ToJson(const std::vector<EvaluatedRun>& runs, const Evalu
   json["alignment"] = ToString(settings.alignment);
   json["max_time_difference_s"] = settings.association.max_time_difference;
   json["max_interpolation_gap_s"] = settings.association.max_interpolation_gap;
-  if (runs.front().map) json["map_tolerance_m"] = settings.map_tolerance;
+  if (runs.front().map) {
+    json["map_tolerance_m"] = settings.map.tolerance;
+    json["map_beyond_is_unknown"] = settings.map.beyond_is_unknown;
+  }
   for (const EvaluatedRun& run : runs) json["runs"].push_back(RunToJson(run, figures));
   for (const Figure& figure : figures) {
     nlohmann::ordered_json& entry = json["summary"][figure.key];

@@ -14,7 +14,7 @@ namespace arborslam {
 struct EvaluationSettings {
   AlignmentKind alignment = AlignmentKind::kSe2;
   AssociationOptions association;
-  double map_tolerance = 0.0;  ///< [m]
+  MapComparisonOptions map;
 };
 
 /// The runs for people: one run as a list of figures with their units, several as a table with a row each and the mean
@@ -30,7 +30,8 @@ std::string FormatMarkdown(const std::vector<EvaluatedRun>& runs, const std::vec
 /// The runs for machines, an object with
 ///   alignment                   "none", "origin", "se2" or "se3"
 ///   max_time_difference_s, max_interpolation_gap_s
-///   map_tolerance_m             with maps
+///   map_tolerance_m, map_beyond_is_unknown
+///                               with maps
 ///   runs[]                      in the order of the command line, each with
 ///     label
 ///     estimate, reference       paths as given; these and those up to z_offset_m with trajectories

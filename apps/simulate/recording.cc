@@ -1,6 +1,8 @@
 #include "apps/simulate/recording.h"
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cstdio>
 #include <cstring>
 #include <string>
@@ -14,15 +16,27 @@
 namespace arborslam {
 namespace {
 
-void WriteBin(const std::string& path, const SimulatedSweep& sweep) {
-  std::string bytes(sweep.sweep.points.size() * 16, '\0');
+void WriteBin(const std::string& path, const LidarSweep& sweep) {
+  std::string bytes(sweep.points.size() * 16, '\0');
   char* to = bytes.data();
-  for (size_t i = 0; i < sweep.sweep.points.size(); ++i, to += 16) {
-    const Eigen::Vector3f& point = sweep.sweep.points[i];
-    const std::array<float, 4> record = {point.x(), point.y(), point.z(), sweep.intensities[i]};
+  for (size_t i = 0; i < sweep.points.size(); ++i, to += 16) {
+    const Eigen::Vector3f& point = sweep.points[i];
+    const std::array<float, 4> record = {point.x(), point.y(), point.z(), 0.0f};
     std::memcpy(to, record.data(), 16);
   }
   WriteFileAtomically(path, bytes);
+}
+
+// Sweeps of an earlier recording beside those of this one would be taken for one recording.
+void RefuseForeignFiles(const std::filesystem::path& clouds, size_t num_scans, const std::string& ending) {
+  for (const auto& entry : std::filesystem::directory_iterator(clouds)) {
+    const std::string stem = entry.path().stem().string();
+    const bool is_number =
+        stem.size() == 6 && std::all_of(stem.begin(), stem.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+    if (is_number && entry.path().extension() == ending && std::stoul(stem) < num_scans) continue;
+    throw UserError(entry.path().string(), "does not belong to this recording",
+                    "remove the folder " + clouds.string() + " or choose another --output");
+  }
 }
 
 template <typename... Values>
@@ -34,16 +48,26 @@ std::string Line(const char* format, Values... values) {
 
 }  // namespace
 
-void WriteRecording(const SimulatedRun& run, const std::filesystem::path& folder,
+void WriteRecording(const SimulatedRun& run, const std::filesystem::path& folder, SweepFormat format,
                     const std::function<void(size_t)>& progress) {
   const std::filesystem::path clouds = folder / "clouds";
+  const std::string ending = format == SweepFormat::kBin ? ".bin" : ".pcd";
   std::error_code error;
   std::filesystem::create_directories(clouds, error);
   if (!std::filesystem::is_directory(clouds)) {
     throw UserError(clouds.string(), "cannot be made a folder", "choose another --output");
   }
-  WriteMapServer((folder / "gt_map.yaml").string(), run.Map());
-  WriteTum((folder / "ground_truth.tum").string(), run.GroundTruth());
+  RefuseForeignFiles(clouds, run.NumScans(), ending);
+  for (size_t i = 0; i < run.NumScans(); ++i) {
+    const std::string path = (clouds / (Line("%06zu", i) + ending)).string();
+    if (format == SweepFormat::kBin) {
+      WriteBin(path, run.Sweep(i));
+    } else {
+      WritePcd(path, run.Sweep(i));
+    }
+    progress(i + 1);
+  }
+
   std::string stamps;
   std::string controls = "stamp,forward_velocity,lateral_velocity,yaw_rate\n";
   for (size_t i = 0; i < run.NumScans(); ++i) {
@@ -53,10 +77,8 @@ void WriteRecording(const SimulatedRun& run, const std::filesystem::path& folder
   }
   WriteFileAtomically((folder / "timestamps.txt").string(), stamps);
   WriteFileAtomically((folder / "controls.csv").string(), controls);
-  for (size_t i = 0; i < run.NumScans(); ++i) {
-    WriteBin((clouds / Line("%06zu.bin", i)).string(), run.Sweep(i));
-    progress(i + 1);
-  }
+  WriteTum((folder / "ground_truth.tum").string(), run.GroundTruth());
+  WriteMapServer((folder / "gt_map.yaml").string(), run.Map());
 }
 
 }  // namespace arborslam

@@ -141,14 +141,14 @@ void CheckArguments(const GridImage& estimate, const GridImage& reference, doubl
 }  // namespace
 
 MapMetrics CompareMaps(const GridImage& estimate, const GridImage& reference, const SE2& T_reference_estimate,
-                       double tolerance, const std::string& place) {
-  CheckArguments(estimate, reference, tolerance, place);
+                       const MapComparisonOptions& options, const std::string& place) {
+  CheckArguments(estimate, reference, options.tolerance, place);
   const std::vector<Cell> reference_cells = OccupiedCells(reference);
   if (reference_cells.empty()) {
     throw UserError(place, "the reference map has no occupied cell", "give a reference to be compared with");
   }
   const std::vector<Cell> estimated_cells = Resample(estimate, reference, T_reference_estimate);
-  const double radius = tolerance / reference.resolution;
+  const double radius = options.tolerance / reference.resolution;
   const Neighbourhood near_reference(reference_cells, reference, radius);
   const Neighbourhood near_estimate(estimated_cells, reference, radius);
 
@@ -160,7 +160,7 @@ MapMetrics CompareMaps(const GridImage& estimate, const GridImage& reference, co
     if (!is_inside) ++metrics.outside;
     if (near_reference.Contains(cell)) {
       ++metrics.estimated_right;
-    } else if (!is_inside || At(reference, cell) == kFree) {
+    } else if (is_inside ? At(reference, cell) == kFree : !options.beyond_is_unknown) {
       ++metrics.false_positives;
     } else {
       ++metrics.unjudged;

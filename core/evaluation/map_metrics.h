@@ -24,7 +24,8 @@ namespace arborslam {
 ///   FN       a cell of R that is not near any of E, whether the estimate calls it free or unknown
 ///   TN       a cell that is free in the reference and, at its centre, free in the estimate, and is not in E
 ///   neither  any other: unknown on either side. A cell of E that is not near R but is unknown in the reference is no
-///            mistake that could be proved (`unjudged`).
+///            mistake that could be proved (`unjudged`). With `beyond_is_unknown` the same goes for one beyond the
+///            edges.
 ///
 ///   precision    cells of E that are right / (cells of E that are right + FP)
 ///   sensitivity  cells of R that are right / (cells of R that are right + FN) = cells of R that are right / R
@@ -47,15 +48,22 @@ struct MapMetrics {
   double accuracy = 0.0;            ///< In [0, 1].
 };
 
+/// What counts in a comparison of maps.
+struct MapComparisonOptions {
+  double tolerance = 0.0;  ///< [m], >= 0, at most 150 cells of the reference.
+  /// Whether the reference leaves open what lies beyond its edges, as one does that was cut out of a larger world;
+  /// otherwise there is nothing there.
+  bool beyond_is_unknown = false;
+};
+
 /// Compares `estimate` with `reference` after it was moved by `T_reference_estimate`. Cells of 100 are occupied, of 0
 /// free, all others unknown, as `ReadMapServer` gives them. A point that lies on the border of two cells belongs to the
 /// one of greater coordinates.
-/// @param tolerance [m], >= 0, at most 150 cells of the reference.
 /// @param place names the two maps in errors, such as by their files.
 /// Throws `UserError` when the reference has no occupied cell, the tolerance is not in its range, or the estimate's
 /// cells are more than 100 times as long as the reference's.
 MapMetrics CompareMaps(const GridImage& estimate, const GridImage& reference, const SE2& T_reference_estimate,
-                       double tolerance, const std::string& place);
+                       const MapComparisonOptions& options, const std::string& place);
 
 /// How a figure of `MapMetrics` is presented.
 struct MapMetricField {

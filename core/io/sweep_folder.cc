@@ -2,17 +2,22 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
+#include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <numeric>
-#include <optional>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
 #include "core/error.h"
+#include "core/io/cloud_layout.h"
 #include "core/io/input_file.h"
 #include "core/io/kitti_bin.h"
 #include "core/io/natural_order.h"
+#include "core/io/point_cloud_file.h"
 #include "core/io/sweep_stamps.h"
 #include "core/io/text_reader.h"
 
@@ -21,7 +26,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kAssumedStep = 0.1;  // [s]
+using FilesByKind = std::map<std::string, std::vector<std::string>>;
+
+constexpr double kAssumedStep = 0.1;        // [s]
+constexpr double kMostReturnsAtEnds = 1.5;  // A step of the stamps over the span of a sweep's times.
 constexpr const char* kSubfolders[] = {"clouds", "velodyne", "velodyne_points/data"};
 constexpr const char* kStampFiles[] = {"timestamps.txt", "times.txt"};
 
@@ -32,19 +40,16 @@ std::string LowerCaseExtension(const fs::path& path) {
   return extension;
 }
 
-bool IsSweepExtension(const std::string& extension) { return extension == ".bin"; }
-
 // The sweeps of one folder, by lower-case extension; an empty map when there are none or it is no folder.
-std::map<std::string, std::vector<std::string>> SweepsIn(const fs::path& folder) {
-  std::map<std::string, std::vector<std::string>> sweeps;
+FilesByKind SweepsIn(const fs::path& folder) {
+  FilesByKind sweeps;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const fs::path& path = entry->path();
     const std::string extension = LowerCaseExtension(path);
+    const bool is_sweep = extension == ".bin" || extension == ".pcd" || extension == ".ply";
     std::error_code ignored;
-    if (!IsSweepExtension(extension) || path.filename().string().front() == '.' || entry->is_directory(ignored)) {
-      continue;
-    }
+    if (!is_sweep || path.filename().string().front() == '.' || entry->is_directory(ignored)) continue;
     sweeps[extension].push_back(path.string());
   }
   return sweeps;
@@ -61,7 +66,7 @@ fs::path ParentOf(const fs::path& folder) {
   return folder.has_parent_path() ? folder.parent_path() : fs::path(".");
 }
 
-// Where sweeps are looked for, and where their stamps are then.
+// Where sweeps may lie, and where their stamps are then.
 struct Place {
   fs::path sweeps;
   std::vector<fs::path> stamps;
@@ -93,6 +98,17 @@ std::string FindStampFile(const std::vector<fs::path>& folders) {
   return "";
 }
 
+// "3 .bin and 2 .pcd files"
+std::string CountText(const FilesByKind& sweeps) {
+  std::string text;
+  for (const auto& [extension, files] : sweeps) {
+    text += (text.empty() ? "" : " and ") + std::to_string(files.size()) + " " + extension;
+  }
+  return text + " files";
+}
+
+std::string NameOf(const std::string& path) { return fs::path(path).filename().string(); }
+
 std::vector<std::string> Stems(const std::vector<std::string>& files) {
   std::vector<std::string> stems;
   stems.reserve(files.size());
@@ -100,45 +116,124 @@ std::vector<std::string> Stems(const std::vector<std::string>& files) {
   return stems;
 }
 
-LidarSweep ReadSweep(const std::string& path) { return ReadKittiBin(path); }
+// The last number in `stem`, or nothing; the rest of it goes to `rest`.
+std::optional<double> LastNumber(const std::string& stem, std::string* rest) {
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  const auto end = std::find_if(stem.rbegin(), stem.rend(), is_digit).base();
+  const auto begin = std::find_if_not(std::make_reverse_iterator(end), stem.rend(), is_digit).base();
+  *rest = std::string(stem.begin(), begin) + '#' + std::string(end, stem.end());
+  double number = 0.0;
+  const std::string digits(begin, end);
+  if (std::from_chars(digits.data(), digits.data() + digits.size(), number).ec != std::errc()) return std::nullopt;
+  return number;
+}
+
+// What is to be told of names that differ in more than their last number, or, with `by_number`, whose numbers have
+// gaps: files may be missing. "" for names as they should be.
+std::string NumberingNotice(const std::vector<std::string>& files, bool by_number) {
+  std::string rest;
+  std::string first_rest;
+  double step = 0.0;
+  const std::vector<std::string> stems = Stems(files);
+  std::optional<double> last = LastNumber(stems[0], &first_rest);
+  for (size_t i = 1; i < files.size(); ++i) {
+    const std::optional<double> number = LastNumber(stems[i], &rest);
+    const std::string names = Quoted(NameOf(files[i - 1])) + " and " + Quoted(NameOf(files[i]));
+    if (!number || !last || rest != first_rest) {
+      return "The sweeps are not named alike (" + names + "); they are taken in the order of their names.";
+    }
+    if (by_number && i > 1 && *number - *last != step) {
+      return "The sweeps are not numbered evenly, first at " + names + "; some may be missing.";
+    }
+    step = *number - *last;
+    last = number;
+  }
+  return "";
+}
+
+PointCloudFile ReadSweepFile(const std::string& path) {
+  if (LowerCaseExtension(path) != ".bin") return ReadPointCloudFile(path);
+  PointCloudFile file;
+  file.sweep = ReadKittiBin(path);
+  return file;
+}
+
+// The first file, or the one of the first few that has enough points with times to tell what these mean; its place in
+// the order goes to `index`.
+PointCloudFile ReadTypicalFile(const std::vector<std::string>& files, size_t* index) {
+  constexpr size_t kFirstFew = 10;
+  constexpr size_t kEnough = 100;
+  *index = 0;
+  PointCloudFile typical = ReadSweepFile(files[0]);
+  for (size_t i = 1; i < std::min(files.size(), kFirstFew); ++i) {
+    if (typical.sweep.points.size() >= kEnough) break;
+    PointCloudFile file = ReadSweepFile(files[i]);
+    if (file.sweep.points.size() <= typical.sweep.points.size()) continue;
+    typical = std::move(file);
+    *index = i;
+  }
+  return typical;
+}
+
+// Whether the times in the last file are absolute by what they are alone: a clock that started with the recording
+// gives times that look relative in the first.
+bool IsLastAbsolute(const std::vector<std::string>& files, double sweep_duration) {
+  try {
+    const std::optional<PointTimeFormat> format =
+        FindPointTimeFormat(ReadSweepFile(files.back()).raw_times, sweep_duration);
+    return format && format->is_absolute;
+  } catch (const UserError&) {
+    return false;  // It is reported when its turn comes, if it does.
+  }
+}
 
 }  // namespace
 
 bool SweepFolder::Recognises(const std::string& path) {
   std::error_code ignored;
-  if (!fs::is_directory(path, ignored)) return IsSweepExtension(LowerCaseExtension(path));
-  const std::vector<Place> places = Places(Normal(path));
-  return std::any_of(places.begin(), places.end(), [](const Place& place) { return !SweepsIn(place.sweeps).empty(); });
+  if (fs::is_directory(path, ignored)) {
+    const std::vector<Place> places = Places(Normal(path));
+    return std::any_of(places.begin(), places.end(),
+                       [](const Place& place) { return !SweepsIn(place.sweeps).empty(); });
+  }
+  std::ifstream stream = OpenInputFile(path);
+  char beginning[16] = {};
+  stream.read(beginning, sizeof(beginning));
+  const std::string_view read(beginning, static_cast<size_t>(stream.gcount()));
+  return LooksLikePcd(read) || LooksLikePly(read) || LowerCaseExtension(path) == ".bin";
 }
 
 SweepFolder::SweepFolder(const std::string& path, const SweepFolderOptions& options) : options_(options) {
-  std::string stamps_path;
-  std::error_code ignored;
-  if (fs::is_directory(path, ignored)) {
-    const std::vector<Place> places = Places(Normal(path));
-    std::map<std::string, std::vector<std::string>> sweeps;
-    for (const Place& place : places) {
-      sweeps = SweepsIn(place.sweeps);
-      if (sweeps.empty()) continue;
-      stamps_path = FindStampFile(place.stamps);
-      break;
-    }
-    if (sweeps.empty()) throw UserError(path, "is a folder without sweeps", "give one with files *.bin");
-    files_ = std::move(sweeps.begin()->second);
-    std::sort(files_.begin(), files_.end(), NaturallyLess);
-  } else {
-    files_ = {path};
-  }
-  ReadStamps(stamps_path);
-  FindDuration();
-  ReadSweep(files_.front());
+  const std::string stamp_file = FindFiles(path);
+  FindStamps(stamp_file);
+  FindPointTimes();
 }
 
-void SweepFolder::ReadStamps(const std::string& stamps_path) {
-  if (!stamps_path.empty()) {
-    const SweepStamps stamps = ReadSweepStamps(stamps_path);
+std::string SweepFolder::FindFiles(const std::string& path) {
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored)) {
+    files_ = {path};
+    return "";
+  }
+  for (const Place& place : Places(Normal(path))) {
+    FilesByKind sweeps = SweepsIn(place.sweeps);
+    if (sweeps.empty()) continue;
+    if (sweeps.size() > 1) {
+      throw UserError(place.sweeps.string(), "holds sweeps of more than one kind (" + CountText(sweeps) + ")",
+                      "leave one kind in the folder");
+    }
+    files_ = std::move(sweeps.begin()->second);
+    std::sort(files_.begin(), files_.end(), NaturallyLess);
+    return FindStampFile(place.stamps);
+  }
+  throw UserError(path, "is a folder without sweeps", "give one with files *.bin, *.pcd or *.ply");
+}
+
+void SweepFolder::FindStamps(const std::string& stamp_file) {
+  if (!stamp_file.empty()) {
+    const SweepStamps stamps = ReadSweepStamps(stamp_file);
     if (stamps.seconds.size() != files_.size()) {
-      throw UserError(stamps_path,
+      throw UserError(stamp_file,
                       "has " + std::to_string(stamps.seconds.size()) + " stamps, but there are " +
                           std::to_string(files_.size()) + " sweeps in " +
                           fs::path(files_.front()).parent_path().string(),
@@ -152,53 +247,127 @@ void SweepFolder::ReadStamps(const std::string& stamps_path) {
     }
     if (num_backwards > 0) {
       notices_.push_back(std::to_string(num_backwards) + " of the " + std::to_string(files_.size()) + " stamps in " +
-                         stamps_path + " are not later than the one before, the first in line " +
+                         stamp_file + " are not later than the one before, the first in line " +
                          std::to_string(first_line) + ".");
     }
     stamps_ = stamps.seconds;
-    return;
-  }
-  if (std::optional<std::vector<double>> stamps = StampsOfNames(Stems(files_))) {
-    // A fraction is no whole number: 0.25 before 0.3.
+    const std::string notice = NumberingNotice(files_, false);
+    if (!notice.empty()) notices_.push_back(notice);
+  } else if (const std::optional<std::vector<double>> stamps = StampsOfNames(Stems(files_))) {
+    // In the order of the stamps: 0.2500 comes before 0.300.
     std::vector<size_t> order(files_.size());
     std::iota(order.begin(), order.end(), size_t{0});
     std::sort(order.begin(), order.end(), [&](size_t a, size_t b) { return (*stamps)[a] < (*stamps)[b]; });
     std::vector<std::string> files;
     for (const size_t i : order) {
-      files.push_back(files_[i]);
+      files.push_back(std::move(files_[i]));
       stamps_.push_back((*stamps)[i]);
     }
     files_ = std::move(files);
     notices_.push_back("The sweeps are stamped by the names of their files.");
-    return;
-  }
-  for (size_t i = 0; i < files_.size(); ++i) stamps_.push_back(kAssumedStep * static_cast<double>(i));
-  if (files_.size() > 1) {
-    notices_.push_back(
-        "The recording has no stamps (timestamps.txt or times.txt); its sweeps are taken to be 0.1 s apart (10 Hz).");
   }
 }
 
-void SweepFolder::FindDuration() {
-  duration_ = options_.sweep_duration;
-  if (duration_ > 0.0) return;
-  const SweepDuration duration = SweepDurationFromStamps(stamps_);
-  duration_ = duration.seconds;
-  if (duration.is_assumed && duration.median_step > 0.0) {
-    notices_.push_back("The stamps are " + ShortestText(duration.median_step) +
-                       " s apart, longer than a sweep lasts; each sweep is taken to last " + ShortestText(duration_) +
-                       " s (see sweep_duration).");
+void SweepFolder::FindPointTimes() {
+  const double rough_duration =
+      options_.sweep_duration > 0.0 ? options_.sweep_duration : SweepDurationFromStamps(stamps_).seconds;
+  size_t index = 0;
+  const PointCloudFile typical = ReadTypicalFile(files_, &index);
+  const std::optional<PointTimeFormat> format = FindPointTimeFormat(typical.raw_times, rough_duration);
+  if (format) {
+    point_time_format_ = *format;
+    notices_.push_back("The times of the points (field '" + typical.time_field + "') are taken for " +
+                       format->UnitName() + ".");
+  } else if (typical.time_field.empty()) {
+    notices_.push_back("The points carry no times.");
+  } else {
+    notices_.push_back("The times of the points (field '" + typical.time_field +
+                       "') span no sweep in any unit; they are not used.");
+  }
+
+  std::optional<PointTimeSpan> span;
+  if (format) span = SpanOfPointTimes(typical.raw_times, *format, rough_duration);
+  const bool is_absolute = format && (format->is_absolute || IsLastAbsolute(files_, rough_duration));
+  if (stamps_.empty() && is_absolute) {
+    notices_.push_back("The sweeps are stamped by the times of their first points.");
+    next_start_ = span->first - static_cast<double>(index) * rough_duration;
+  } else if (stamps_.empty()) {
+    AssumeStamps();
+  }
+  if (span && !is_absolute) {
+    point_clock_ = PointClock::kFromStamp;
+  } else if (span) {
+    const bool is_on_stamp_clock = !stamps_.empty() && stamps_[index] >= span->first - rough_duration &&
+                                   stamps_[index] <= span->last + rough_duration;
+    point_clock_ = is_on_stamp_clock ? PointClock::kOfStamps : PointClock::kOther;
+  }
+  FindDuration(span ? span->last - span->first : 0.0);
+}
+
+void SweepFolder::AssumeStamps() {
+  for (size_t i = 0; i < files_.size(); ++i) stamps_.push_back(kAssumedStep * static_cast<double>(i));
+  if (files_.size() == 1) return;
+  notices_.push_back(
+      "The recording has no stamps (timestamps.txt or times.txt); its sweeps are taken to be 0.1 s apart (10 Hz).");
+  const std::string notice = NumberingNotice(files_, true);
+  if (!notice.empty()) notices_.push_back(notice);
+}
+
+void SweepFolder::FindDuration(double span) {
+  const SweepDuration of_stamps = SweepDurationFromStamps(stamps_);
+  if (options_.sweep_duration > 0.0) {
+    duration_ = options_.sweep_duration;
+  } else if (span > 0.0) {
+    const bool is_turning_on = of_stamps.median_step > span && of_stamps.median_step < kMostReturnsAtEnds * span;
+    duration_ = is_turning_on ? of_stamps.median_step : span;
+  } else {
+    duration_ = of_stamps.seconds;
+    if (of_stamps.is_assumed && of_stamps.median_step > 0.0) {
+      notices_.push_back("The stamps are " + ShortestText(std::round(of_stamps.median_step * 1e3) / 1e3) +
+                         " s apart, longer than a sweep lasts; each sweep is taken to last " + ShortestText(duration_) +
+                         " s (option sweep_duration).");
+    }
   }
 }
 
 std::optional<Scan> SweepFolder::Next() {
   if (next_ == files_.size()) return std::nullopt;
-  LidarSweep sweep = ReadSweep(files_[next_]);
-  sweep.duration = duration_;
-  const double into_sweep = options_.stamp == "start" ? 0.0 : options_.stamp == "middle" ? 0.5 : 1.0;
-  sweep.start = stamps_[next_] - into_sweep * sweep.duration;
+  PointCloudFile file = ReadSweepFile(files_[next_]);
+  LidarSweep& sweep = file.sweep;
+  std::optional<PointTimeSpan> span;
+  if (point_clock_ != PointClock::kNone) span = SpanOfPointTimes(file.raw_times, point_time_format_, duration_);
+
+  const double stamp = !stamps_.empty() ? stamps_[next_] : span ? span->first : next_start_;
   ++next_;
-  return sweep;
+  // The sweep's start on the clock of the points' times.
+  double point_start = span ? span->first : 0.0;
+  // Whether that and the stamp tell the start together.
+  bool is_start_told = stamps_.empty();
+  double start = stamp;
+  if (span && options_.stamp == "start" &&
+      (point_clock_ == PointClock::kFromStamp || point_clock_ == PointClock::kOfStamps)) {
+    const double stamp_there = point_clock_ == PointClock::kFromStamp ? 0.0 : stamp;
+    const double reach = 2.0 * duration_;
+    if (span->first >= stamp_there - reach && span->last <= stamp_there + reach) {
+      point_start = std::min(stamp_there, span->first);
+      start = stamp + (point_start - stamp_there);
+      is_start_told = true;
+    }
+  }
+  sweep.duration = span ? std::max(duration_, span->last - point_start) : duration_;
+  if (!is_start_told) {
+    const double into_sweep = options_.stamp == "start" ? 0.0 : options_.stamp == "middle" ? 0.5 : 1.0;
+    start = stamp - into_sweep * sweep.duration;
+  }
+  sweep.start = start;
+  next_start_ = start + sweep.duration;
+  if (span) {
+    sweep.times.reserve(file.raw_times.size());
+    for (const double raw_time : file.raw_times) {
+      sweep.times.push_back(static_cast<float>(raw_time * point_time_format_.unit - point_start));
+    }
+  }
+  return std::move(sweep);
 }
 
 }  // namespace arborslam

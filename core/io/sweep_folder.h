@@ -2,28 +2,38 @@
 #define ARBORSLAM_CORE_IO_SWEEP_FOLDER_H_
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/io/point_times.h"
 #include "core/io/scan_source.h"
 #include "core/io/sweep_folder_options.h"
 
 namespace arborslam {
 
-/// A recording of 3D sweeps, one a file: KITTI `.bin` (`ReadKittiBin`).
+/// A recording of 3D sweeps, one a file: KITTI `.bin` (`ReadKittiBin`), `.pcd` or `.ply` (`ReadPointCloudFile`).
 ///
-/// The files, all of one kind, lie in the given folder or in `clouds`, `velodyne` or `velodyne_points/data` below it,
-/// and are taken in natural order of their names (`NaturallyLess`), hidden ones left aside.
+/// The files, all of one kind, lie in `clouds`, `velodyne` or `velodyne_points/data` below the given folder or in that
+/// folder itself (the first of these that has any), and are taken in natural order of their names (`NaturallyLess`);
+/// hidden files are left aside.
 ///
 /// Their stamps come from the first of these that there is:
 ///   1. `timestamps.txt` or `times.txt`, one stamp for each file (`ReadSweepStamps`): with the sweeps, in a folder from
 ///      there up to the given one, or, when the sweeps lie in the given folder itself, in its parent;
 ///   2. the names of the files (`StampsOfNames`; the order is that of the stamps then);
-///   3. the place in the order, at 10 Hz from 0.
+///   3. the times of the points when they are absolute: the stamp is the sweep's first, whatever the options say;
+///   4. the place in the order, at 10 Hz from 0.
 /// A stamp names the start of its sweep unless `SweepFolderOptions::stamp` says otherwise.
 ///
-/// A sweep lasts as long as `SweepFolderOptions::sweep_duration` says, else as its stamps tell
-/// (`SweepDurationFromStamps`).
+/// Times of points are taken as `FindPointTimeFormat` finds them in the first files. Relative ones, and absolute ones
+/// on the clock of the stamps, count from the stamp, so that a sweep whose times are negative began before its stamp;
+/// others, and all when the stamp is said to be the middle or the end, from the sweep's first point. A sweep whose
+/// times are damaged is given without.
+///
+/// A sweep lasts as long as `SweepFolderOptions::sweep_duration` says; else as its points' times span, or a step of the
+/// stamps where that is little longer (a lidar that turns without a pause and misses returns at the ends); without
+/// times as the stamps tell (`SweepDurationFromStamps`). It lasts longer where its own times do.
 ///
 /// One sweep is in memory at a time. Sweeps without points and sweeps whose stamp is not later than the one before are
 /// given like all others.
@@ -38,17 +48,32 @@ class SweepFolder : public ScanSource {
   std::optional<size_t> NumScans() const override { return files_.size(); }
   const std::vector<std::string>& Notices() const override { return notices_; }
 
-  /// True if `path` is a folder with sweeps or a file of a kind that holds a sweep.
+  /// True if `path` is a folder with sweeps, or a file that is one by its content or, for KITTI's, by its name.
   static bool Recognises(const std::string& path);
 
  private:
-  void ReadStamps(const std::string& stamps_path);
-  void FindDuration();
+  // What the times of the points count from.
+  enum class PointClock {
+    kNone,       // They are not used.
+    kFromStamp,  // The stamp.
+    kOfStamps,   // What the stamps count from.
+    kOther
+  };
+
+  // Returns the path of the file of stamps, or "".
+  std::string FindFiles(const std::string& path);
+  void FindStamps(const std::string& stamp_file);
+  void FindPointTimes();
+  void AssumeStamps();
+  void FindDuration(double span);
 
   SweepFolderOptions options_;
   std::vector<std::string> files_;
-  std::vector<double> stamps_;  // [s], one a file.
-  double duration_ = 0.0;       // [s]
+  std::vector<double> stamps_;  // [s], one a file; empty when the times of the points tell them.
+  PointClock point_clock_ = PointClock::kNone;
+  PointTimeFormat point_time_format_;
+  double duration_ = 0.0;    // [s]
+  double next_start_ = 0.0;  // [s], of a sweep without stamp and times.
   size_t next_ = 0;
   std::vector<std::string> notices_;
 };

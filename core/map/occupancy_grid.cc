@@ -84,6 +84,7 @@ void OccupancyGrid::Insert(const SE2& T_grid_base, const PlanarScan& scan) {
   const Eigen::Vector2d from = T_grid_base.translation() * inverse_cell - first;
   const double miss_range = options_.miss_range * inverse_cell;
   for (const auto* ends : {&hits, &free_ends}) {
+    if (ends == &hits && !scan.point_rays_are_free) continue;
     for (const Eigen::Vector2d& end : *ends) {
       const Eigen::Vector2d ray = end * inverse_cell - first - from;
       CastRay(from, from + std::min(1.0, miss_range / ray.norm()) * ray);

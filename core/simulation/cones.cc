@@ -19,7 +19,6 @@ constexpr double kBorder = 1.25;     // [m], how far cones stand outside the rec
 constexpr double kClearance = 0.3;   // [m], from a cone's rim to the path.
 constexpr double kConeGap = 0.3;     // [m], between the rims of cones.
 constexpr double kTipRadius = 0.02;  // [m].
-constexpr double kConeReflectivity = 0.8;
 constexpr int kMaxTries = 10000;
 
 double DistanceTo(const ClosedPath& path, const Eigen::Vector2d& place) {
@@ -86,7 +85,6 @@ Scene MakeCones(const ConesOptions& options) {
     cone.length = height;
     cone.base_radius = radius;
     cone.top_radius = kTipRadius;
-    cone.reflectivity = kConeReflectivity;
     world.solids.push_back(cone);
     ++i;
   }

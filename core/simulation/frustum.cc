@@ -6,10 +6,10 @@
 
 namespace arborslam {
 
-Frustum Frustum::Between(const Eigen::Vector3d& base, const Eigen::Vector3d& top, double base_radius, double top_radius,
-                         double reflectivity) {
+Frustum Frustum::Between(const Eigen::Vector3d& base, const Eigen::Vector3d& top, double base_radius,
+                         double top_radius) {
   const Eigen::Vector3d extent = top - base;
-  return {base, extent.normalized(), extent.norm(), base_radius, top_radius, reflectivity};
+  return {base, extent.normalized(), extent.norm(), base_radius, top_radius};
 }
 
 double Intersect(const Frustum& frustum, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {

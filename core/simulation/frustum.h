@@ -12,11 +12,10 @@ struct Frustum {
   double length = 1.0;                              ///< [m] of the axis.
   double base_radius = 0.1;                         ///< [m].
   double top_radius = 0.1;                          ///< [m].
-  double reflectivity = 0.4;                        ///< In [0, 1].
 
   /// The frustum whose axis leads from `base` to `top`, which must be apart.
-  static Frustum Between(const Eigen::Vector3d& base, const Eigen::Vector3d& top, double base_radius, double top_radius,
-                         double reflectivity);
+  static Frustum Between(const Eigen::Vector3d& base, const Eigen::Vector3d& top, double base_radius,
+                         double top_radius);
 
   /// [m], across the axis, `along` [m] from the base.
   double RadiusAt(double along) const { return base_radius + (top_radius - base_radius) * along / length; }

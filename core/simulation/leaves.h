@@ -16,7 +16,6 @@ struct Leaves {
       Eigen::Vector3d::Ones();  ///< [m], the half axes, or half of the box's length, width, height.
   double yaw = 0.0;             ///< [rad], about the vertical.
   double density = 1.0;         ///< [1/m], more than 0.
-  double reflectivity = 0.5;    ///< In [0, 1].
 };
 
 /// The part of a beam that lies in leaves, [m] from its origin; empty when `entry` >= `exit`.

@@ -11,8 +11,6 @@ namespace arborslam {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kSoilReflectivity = 0.2;
-constexpr double kGrassReflectivity = 0.45;
 constexpr double kMinMargin = 0.02;  // [m], beyond the sensor's way in a sweep.
 
 }  // namespace
@@ -63,40 +61,35 @@ Lidar3::Lidar3(const Lidar3Options& options, const World3* world) : options_(opt
   }
 }
 
-Lidar3::Hit Lidar3::Cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, const BearingIndex& index,
-                         const std::vector<Frustum>& moving, Random* random) const {
+double Lidar3::Cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, const BearingIndex& index,
+                    const std::vector<Frustum>& moving, Random* random) const {
   const double farthest = std::min(options_.max_range, world_->terrain.RangeToFloor(origin, direction));
-  Hit hit{farthest, 0.0};
+  double nearest = farthest;
   const double level = direction.head<2>().norm();
   const double climb = level > 0.0 ? direction.z() / level : 0.0;
   for (const BearingIndex::Entry& entry : index.Towards(direction.head<2>())) {
-    if (entry.near > hit.range * level) break;  // So are all that follow.
+    if (entry.near > nearest * level) break;  // So are all that follow.
     const double height_near = origin.z() + climb * entry.near;
     const double height_far = origin.z() + climb * entry.far;
     if (std::max(height_near, height_far) < entry.low || std::min(height_near, height_far) > entry.high) continue;
     if (entry.thing < world_->solids.size()) {
-      const Frustum& solid = world_->solids[entry.thing];
-      const double range = Intersect(solid, origin, direction);
-      if (range < hit.range) hit = {range, solid.reflectivity};
+      nearest = std::min(nearest, Intersect(world_->solids[entry.thing], origin, direction));
     } else {
       const Leaves& leaves = world_->leaves[entry.thing - world_->solids.size()];
       const Passage passage = PassageThrough(leaves, origin, direction);
       if (passage.entry >= passage.exit) continue;
       const double range = passage.entry + random->Exponential() / leaves.density;
-      if (range < passage.exit && range < hit.range) hit = {range, leaves.reflectivity};
+      if (range < passage.exit) nearest = std::min(nearest, range);
     }
   }
-  for (const Frustum& solid : moving) {
-    const double range = Intersect(solid, origin, direction);
-    if (range < hit.range) hit = {range, solid.reflectivity};
-  }
-  const Terrain::Hit ground = world_->terrain.Cast(origin, direction, hit.range, random);
-  if (ground.range <= hit.range) return {ground.range, ground.is_grass ? kGrassReflectivity : kSoilReflectivity};
-  return hit.range < farthest ? hit : Hit{kInfinity, 0.0};
+  for (const Frustum& solid : moving) nearest = std::min(nearest, Intersect(solid, origin, direction));
+  const double ground = world_->terrain.Cast(origin, direction, nearest, random);
+  if (ground <= nearest) return ground;
+  return nearest < farthest ? nearest : kInfinity;
 }
 
-SimulatedSweep Lidar3::Measure(const std::function<Eigen::Isometry3d(double)>& pose_at, double start,
-                               Random* random) const {
+LidarSweep Lidar3::Measure(const std::function<Eigen::Isometry3d(double)>& pose_at, double start,
+                           Random* random) const {
   const double duration = options_.sweep_duration;
   const Eigen::Vector2d place = pose_at(start + 0.5 * duration).translation().head<2>();
   double margin = 0.0;
@@ -107,13 +100,12 @@ SimulatedSweep Lidar3::Measure(const std::function<Eigen::Isometry3d(double)>& p
   }
   const BearingIndex index(bounds_, place, 1.5 * margin + kMinMargin, options_.max_range);
 
-  SimulatedSweep result;
-  result.sweep.start = start;
-  result.sweep.duration = duration;
+  LidarSweep sweep;
+  sweep.start = start;
+  sweep.duration = duration;
   const size_t most = static_cast<size_t>(options_.columns) * elevations_.size();
-  result.sweep.points.reserve(most);
-  result.sweep.times.reserve(most);
-  result.intensities.reserve(most);
+  sweep.points.reserve(most);
+  sweep.times.reserve(most);
   std::vector<Frustum> moving_here;
   for (int column = 0; column < options_.columns; ++column) {
     const double share = static_cast<double>(column) / options_.columns;
@@ -137,21 +129,19 @@ SimulatedSweep Lidar3::Measure(const std::function<Eigen::Isometry3d(double)>& p
     }
     for (const Eigen::Vector2d& elevation : elevations_) {
       const Eigen::Vector3d ray(elevation.x() * heading.x(), elevation.x() * heading.y(), elevation.y());
-      const Hit hit = Cast(T_world_lidar.translation(), T_world_lidar.linear() * ray, index, moving_here, random);
-      if (!(hit.range >= options_.min_range && hit.range <= options_.max_range)) continue;
+      const double hit = Cast(T_world_lidar.translation(), T_world_lidar.linear() * ray, index, moving_here, random);
+      if (!(hit >= options_.min_range && hit <= options_.max_range)) continue;
       const bool lost = random->Uniform() < options_.drop_out;
-      double range = hit.range + options_.range_noise * random->Gaussian();
-      const double intensity = hit.reflectivity * (1.0 + 0.1 * random->Gaussian());
+      double range = hit + options_.range_noise * random->Gaussian();
       if (options_.range_resolution > 0.0) {
         range = std::round(range / options_.range_resolution) * options_.range_resolution;
       }
       if (lost || !(range > 0.0)) continue;
-      result.sweep.points.emplace_back((range * ray).cast<float>());
-      result.sweep.times.push_back(static_cast<float>(since_start));
-      result.intensities.push_back(static_cast<float>(std::clamp(intensity, 0.0, 1.0)));
+      sweep.points.emplace_back((range * ray).cast<float>());
+      sweep.times.push_back(static_cast<float>(since_start));
     }
   }
-  return result;
+  return sweep;
 }
 
 }  // namespace arborslam

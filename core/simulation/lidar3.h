@@ -52,12 +52,6 @@ struct Lidar3Options {
 /// An Ouster OS1-16 at 10 Hz with 0.18 deg between firings.
 Lidar3Options Os1Options();
 
-/// A sweep as the sensor records it.
-struct SimulatedSweep {
-  LidarSweep sweep;                ///< Column by column in the order of firing, from the lowest ring up.
-  std::vector<float> intensities;  ///< In [0, 1], one per point.
-};
-
 /// Simulates a spinning lidar in a world. Thread-safe.
 class Lidar3 {
  public:
@@ -65,19 +59,13 @@ class Lidar3 {
   Lidar3(const Lidar3Options& options, const World3* world);
 
   /// The sweep that begins at `start` [s]; column i of n is fired `i / n` of the sweep's duration later, from the pose
-  /// T_world_lidar = pose_at(time) of that moment.
-  SimulatedSweep Measure(const std::function<Eigen::Isometry3d(double)>& pose_at, double start, Random* random) const;
-
-  /// What one exact beam meets.
-  struct Hit {
-    double range;         ///< [m], infinite if nothing within `max_range`.
-    double reflectivity;  ///< In [0, 1].
-  };
+  /// T_world_lidar = pose_at(time) of that moment. Points stand column by column, in each from the lowest ring up.
+  LidarSweep Measure(const std::function<Eigen::Isometry3d(double)>& pose_at, double start, Random* random) const;
 
  private:
-  // `moving`: the moving solids that may be in the beam's way.
-  Hit Cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, const BearingIndex& index,
-           const std::vector<Frustum>& moving, Random* random) const;
+  // [m], where one exact beam ends; infinite if it meets nothing. `moving`: the moving solids that may be in its way.
+  double Cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, const BearingIndex& index,
+              const std::vector<Frustum>& moving, Random* random) const;
 
   Lidar3Options options_;
   const World3* world_;

@@ -9,8 +9,6 @@ namespace arborslam {
 namespace {
 
 constexpr double kRootDepth = 0.3;  // [m], how deep trunks and posts stand in the ground.
-constexpr double kBark = 0.35;      // Reflectivity.
-constexpr double kPostWood = 0.5;   // Reflectivity.
 
 // The direction of an axis that leans by about `lean` [deg].
 Eigen::Vector3d LeaningAxis(double lean, Random* random) {
@@ -21,10 +19,10 @@ Eigen::Vector3d LeaningAxis(double lean, Random* random) {
 
 // An upright frustum that stands in the ground at `place` and has `radius` there.
 Frustum Standing(const Eigen::Vector2d& place, const Terrain& terrain, const Eigen::Vector3d& axis, double length,
-                 double radius, double top_radius, double reflectivity) {
+                 double radius, double top_radius) {
   const Eigen::Vector3d foot(place.x(), place.y(), terrain.Height(place));
   const double depth_radius = radius + (radius - top_radius) * kRootDepth / length;
-  return {foot - kRootDepth * axis, axis, length + kRootDepth, depth_radius, top_radius, reflectivity};
+  return {foot - kRootDepth * axis, axis, length + kRootDepth, depth_radius, top_radius};
 }
 
 }  // namespace
@@ -35,7 +33,7 @@ void PlantTree(const Eigen::Vector2d& place, const TreeShape& shape, Random* ran
   const double radius = shape.trunk_radius * random->Uniform(0.75, 1.25);
   const Eigen::Vector3d axis = LeaningAxis(shape.lean, random);
   const double height = shape.trunk_height * random->Uniform(0.9, 1.1);
-  world->solids.push_back(Standing(place, world->terrain, axis, height, radius, radius * shape.top_share, kBark));
+  world->solids.push_back(Standing(place, world->terrain, axis, height, radius, radius * shape.top_share));
   const Eigen::Vector3d foot(place.x(), place.y(), ground);
 
   const double crown_middle = 0.5 * (shape.crown_base + shape.crown_top) * size;
@@ -48,7 +46,7 @@ void PlantTree(const Eigen::Vector2d& place, const TreeShape& shape, Random* ran
     const Eigen::Vector3d begin = foot + along * axis;
     const Eigen::Vector3d end =
         begin + Eigen::Vector3d(reach * std::cos(bearing), reach * std::sin(bearing), half_height * 0.9);
-    world->solids.push_back(Frustum::Between(begin, end, 0.45 * radius, 0.15 * radius, kBark));
+    world->solids.push_back(Frustum::Between(begin, end, 0.45 * radius, 0.15 * radius));
   }
   for (int i = 0; i < shape.crown_parts; ++i) {
     Leaves leaves;
@@ -69,8 +67,7 @@ void PlantTree(const Eigen::Vector2d& place, const TreeShape& shape, Random* ran
 }
 
 void SetPost(const Eigen::Vector2d& place, double radius, double height, double lean, Random* random, World3* world) {
-  world->solids.push_back(
-      Standing(place, world->terrain, LeaningAxis(lean, random), height, radius, radius, kPostWood));
+  world->solids.push_back(Standing(place, world->terrain, LeaningAxis(lean, random), height, radius, radius));
 }
 
 void SetFence(const Eigen::Vector2d& begin, const Eigen::Vector2d& end, double spacing, Random* random, World3* world) {

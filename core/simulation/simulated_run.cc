@@ -59,7 +59,7 @@ std::function<std::vector<Frustum>(double)> Followers(int count, uint64_t seed, 
 
 std::string RunOptions::Validate() const {
   if (seed < 0) return Violation("seed", seed, "be at least 0");
-  if (num_scans < 0) return Violation("num_scans", num_scans, "be at least 0");
+  if (num_scans < 0 || num_scans > 1000000) return Violation("num_scans", num_scans, "lie in [0, 1000000]");
   if (followers < 0 || followers > 10) return Violation("followers", followers, "lie in [0, 10]");
   if (!(map_resolution >= 0.005 && map_resolution <= 1.0)) {
     return Violation("map_resolution", map_resolution, "lie in [0.005, 1]");
@@ -101,7 +101,7 @@ SimulatedRun::SimulatedRun(const RunOptions& options, Scene scene)
   }
 }
 
-SimulatedSweep SimulatedRun::Sweep(size_t index) const {
+LidarSweep SimulatedRun::Sweep(size_t index) const {
   Random random(static_cast<uint64_t>(options_.seed), kBeams + index);
   return lidar_.Measure([this](double time) { return carrier_.PoseAt(time); }, Start(index), &random);
 }

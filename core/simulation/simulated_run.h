@@ -75,7 +75,7 @@ class SimulatedRun {
   /// [s], the middle of sweep `index`.
   double Middle(size_t index) const { return Start(index) + 0.5 * options_.lidar.sweep_duration; }
 
-  SimulatedSweep Sweep(size_t index) const;
+  LidarSweep Sweep(size_t index) const;
 
   /// T_world_lidar at Middle(index).
   Eigen::Isometry3d TruePose(size_t index) const { return carrier_.PoseAt(Middle(index)); }

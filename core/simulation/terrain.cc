@@ -208,18 +208,18 @@ double Terrain::Descend(const Eigen::Vector3d& origin, const Eigen::Vector3d& di
   return kInfinity;
 }
 
-Terrain::Hit Terrain::Cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double max_range,
-                           Random* random) const {
+double Terrain::Cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double max_range,
+                     Random* random) const {
   const double entry = Descend(origin, direction, 0.0, max_range, max_grass_);
-  if (max_grass_ == 0.0 || entry == kInfinity) return {entry, false};
+  if (max_grass_ == 0.0 || entry == kInfinity) return entry;
   const double soil = Descend(origin, direction, entry, max_range, 0.0);
   // Draws as if grass stood everywhere as high as the highest, and passes over what was drawn outside (Woodcock 1965).
   for (double range = entry;;) {
     range += random->Exponential() / grass_density_;
-    if (range >= std::min(soil, max_range)) return {soil, false};
+    if (range >= std::min(soil, max_range)) return soil;
     const Eigen::Vector3d point = origin + range * direction;
     const double above = point.z() - Height(point.head<2>());
-    if (above < GrassHeight(point.head<2>())) return {range, true};
+    if (above < GrassHeight(point.head<2>())) return range;
     // Out of the grass the beam goes on to where it comes back.
     if (above > max_grass_) range = std::max(range, Descend(origin, direction, range, max_range, max_grass_));
   }

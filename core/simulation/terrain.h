@@ -61,15 +61,10 @@ class Terrain {
   /// [m] above the ground.
   double GrassHeight(const Eigen::Vector2d& position) const { return grass_.empty() ? 0.0 : Sample(position, grass_); }
 
-  /// What a beam meets.
-  struct Hit {
-    double range;   ///< [m], infinite if it meets nothing.
-    bool is_grass;  ///< A blade, and not the soil.
-  };
-
-  /// Where the beam from `origin` along the unit vector `direction` meets the soil or, at random, a blade of grass,
-  /// within `max_range` [m]. The grass is a medium of constant density below its height.
-  Hit Cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double max_range, Random* random) const;
+  /// [m], where the beam from `origin` along the unit vector `direction` meets the soil or, at random, a blade of
+  /// grass, within `max_range`; infinite if it meets nothing. The grass is a medium of constant density below its
+  /// height.
+  double Cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double max_range, Random* random) const;
 
   /// [m], where the beam is as low as the lowest ground: nothing is farther; infinite if it never is.
   double RangeToFloor(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;

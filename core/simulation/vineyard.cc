@@ -29,8 +29,8 @@ void PlantVine(const Eigen::Vector2d& place, Random* random, World3* world) {
   const Eigen::Vector3d low(place.x(), place.y(), ground - 0.2);
   const Eigen::Vector3d middle(knee.x(), knee.y(), ground + 0.5 * kHeadHeight);
   const Eigen::Vector3d high(head.x(), head.y(), ground + kHeadHeight * random->Uniform(0.9, 1.1));
-  world->solids.push_back(Frustum::Between(low, middle, 1.2 * radius, radius, 0.35));
-  world->solids.push_back(Frustum::Between(middle, high, radius, 1.1 * radius, 0.35));
+  world->solids.push_back(Frustum::Between(low, middle, 1.2 * radius, radius));
+  world->solids.push_back(Frustum::Between(middle, high, radius, 1.1 * radius));
 }
 
 }  // namespace

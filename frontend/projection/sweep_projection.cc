@@ -215,6 +215,7 @@ PlanarScan SweepProjection::Project(const Input& input, const Eigen::Matrix3f& R
   }
 
   PlanarScan scan;
+  scan.point_rays_are_free = false;
   scan.points.reserve(points_.size());
   scan.weights.reserve(points_.size());
   for (const Point& point : points_) {

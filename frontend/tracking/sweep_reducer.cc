@@ -6,14 +6,21 @@
 
 namespace arborslam {
 
-SweepReducer::SweepReducer(const SweepProjectionOptions& projection, double terrain_cell_size)
-    : projector_(projection), terrain_(terrain_cell_size) {}
+SweepReducer::SweepReducer(const ReductionOptions& reduction, const SweepProjectionOptions& projection,
+                           const MovingObjectOptions& moving_objects, double terrain_cell_size)
+    : options_(reduction),
+      projector_(projection),
+      moving_objects_(moving_objects),
+      find_moving_(moving_objects.enabled),
+      terrain_(terrain_cell_size) {}
 
 ReducedSweep SweepReducer::Reduce(const LidarSweep& sweep, const SE2& prediction, const PlanarVelocity& velocity) {
   const Eigen::Matrix3d R_lidar_base = last_tilt_.Rotation().transpose();
   SweepMotion motion;
-  motion.velocity = (R_lidar_base * Eigen::Vector3d(velocity.linear.x(), velocity.linear.y(), 0.0)).cast<float>();
-  motion.angular_velocity = (R_lidar_base * Eigen::Vector3d(0.0, 0.0, velocity.angular)).cast<float>();
+  if (options_.deskew) {
+    motion.velocity = (R_lidar_base * Eigen::Vector3d(velocity.linear.x(), velocity.linear.y(), 0.0)).cast<float>();
+    motion.angular_velocity = (R_lidar_base * Eigen::Vector3d(0.0, 0.0, velocity.angular)).cast<float>();
+  }
   prepared_ = projector_.Prepare(sweep, motion, std::move(prepared_));
 
   ReducedSweep reduced;
@@ -26,14 +33,20 @@ ReducedSweep SweepReducer::Reduce(const LidarSweep& sweep, const SE2& prediction
     Tilt3 initial = reduced.local_tilt;
     if (!is_first_) initial.z = last_tilt_.z;
     reduced.tilt = FitToTerrain(reduced.ground, terrain_, prediction, initial).tilt;
+    if (!options_.level && !is_first_) reduced.tilt = last_tilt_;
   }
-  const PlanarScan planar = projector_.Project(prepared_, reduced.tilt.Rotation().cast<float>());
-  reduced.planar = planar;
-  reduced.num_moving = static_cast<int>(planar.points.size() - reduced.planar.points.size());
+  reduced.with_moving = projector_.Project(prepared_, reduced.tilt.Rotation().cast<float>());
+  reduced.with_moving.stamp = sweep.Middle();
+  reduced.planar = reduced.with_moving;
+  if (find_moving_) {
+    reduced.planar = WithoutMovingObjects(reduced.with_moving, moving_objects_.Find(reduced.with_moving, prediction));
+  }
+  reduced.num_moving = static_cast<int>(reduced.with_moving.points.size() - reduced.planar.points.size());
   return reduced;
 }
 
 void SweepReducer::Commit(const ReducedSweep& sweep, const SE2& T_odom_base) {
+  if (find_moving_) moving_objects_.Add(sweep.with_moving, T_odom_base);
   if (!sweep.has_ground) return;
   const Eigen::Isometry3d T_odom_lidar = Lift(T_odom_base, sweep.tilt);
   for (const GroundSample& sample : sweep.ground) {

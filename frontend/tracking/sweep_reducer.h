@@ -1,6 +1,7 @@
 #ifndef ARBORSLAM_FRONTEND_TRACKING_SWEEP_REDUCER_H_
 #define ARBORSLAM_FRONTEND_TRACKING_SWEEP_REDUCER_H_
 
+#include <string>
 #include <vector>
 
 #include "core/geometry/se2.h"
@@ -9,13 +10,29 @@
 #include "core/sensor/ground_sample.h"
 #include "core/sensor/lidar_sweep.h"
 #include "core/sensor/planar_scan.h"
+#include "frontend/projection/moving_object_filter.h"
 #include "frontend/projection/sweep_projector.h"
 
 namespace arborslam {
 
+/// Which of the steps that undo the robot's motion are taken; each can be left out to see what it is good for.
+struct ReductionOptions {
+  bool deskew = true;  ///< Take out the robot's motion during the sweep.
+  bool level = true;   ///< Stand every sweep upright; false: all are tilted as the first was.
+
+  std::string Validate() const { return ""; }
+
+  template <class Visitor>
+  void VisitFields(Visitor&& visit) {
+    visit("deskew", deskew);
+    visit("level", level);
+  }
+};
+
 /// A sweep as the estimation uses it.
 struct ReducedSweep {
   PlanarScan planar;                 ///< In the base frame, without what moves.
+  PlanarScan with_moving;            ///< The same with it.
   std::vector<GroundSample> ground;  ///< In the lidar frame.
   bool has_ground = false;           ///< False: no ground was found, the tilt is that of the sweep before.
   Tilt3 local_tilt;                  ///< Over the slope of the ground around the robot.
@@ -34,7 +51,8 @@ struct PlanarVelocity {
 class SweepReducer {
  public:
   /// The options must be valid.
-  SweepReducer(const SweepProjectionOptions& projection, double terrain_cell_size);
+  SweepReducer(const ReductionOptions& reduction, const SweepProjectionOptions& projection,
+               const MovingObjectOptions& moving_objects, double terrain_cell_size);
 
   /// @param prediction T_odom_base of the sweep's middle.
   ReducedSweep Reduce(const LidarSweep& sweep, const SE2& prediction, const PlanarVelocity& velocity);
@@ -43,7 +61,10 @@ class SweepReducer {
   void Commit(const ReducedSweep& sweep, const SE2& T_odom_base);
 
  private:
+  ReductionOptions options_;
   SweepProjector projector_;
+  MovingObjectFilter moving_objects_;
+  bool find_moving_;
   PreparedSweep prepared_;  // Of the last sweep; its memory is used again.
   TerrainMap terrain_;
   Tilt3 last_tilt_;

@@ -149,8 +149,8 @@ TEST_F(EvaluateTest, HelpIsShortAndNamesEveryFlag) {
   EXPECT_EQ(outcome.err, "");
   EXPECT_LT(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 40);
   for (const char* flag : {"--estimate", "--reference", "--align", "--json", "--plot", "--max_time_difference",
-                           "--interpolate", "--map", "--map_reference", "--map_tolerance", "--summary", "--markdown",
-                           "--columns", "--labels", "--help", "--version"}) {
+                           "--interpolate", "--map", "--map_reference", "--map_tolerance", "--map_beyond_is_unknown",
+                           "--summary", "--markdown", "--columns", "--labels", "--help", "--version"}) {
     EXPECT_NE(outcome.out.find(flag), std::string::npos) << flag;
   }
   EXPECT_EQ(outcome.out.find("flagfile"), std::string::npos);
@@ -268,6 +268,10 @@ TEST_F(EvaluateTest, AMapIsMovedAsItsTrajectoryIs) {
   const nlohmann::json run = RunToJson(arguments + "--align none").at("runs").at(0);
   EXPECT_LT(run.at("map_sensitivity"), 0.5);
   EXPECT_GT(run.at("map").at("outside_cells"), 0);
+  EXPECT_EQ(run.at("map").at("unjudged_cells"), 0);
+  const nlohmann::json open = RunToJson(arguments + "--align none --map_beyond_is_unknown");
+  EXPECT_EQ(open.at("map_beyond_is_unknown"), true);
+  EXPECT_EQ(open.at("runs").at(0).at("map").at("unjudged_cells"), run.at("map").at("outside_cells"));
 }
 
 TEST_F(EvaluateTest, SeveralMapsAndSummariesMakeOneTable) {

@@ -46,7 +46,7 @@ GridImage RandomMap(Random* random, int width, int height, double occupied, doub
 }
 
 MapMetrics Compare(const GridImage& estimate, const GridImage& reference, double tolerance, const SE2& T = SE2()) {
-  return CompareMaps(estimate, reference, T, tolerance, "test");
+  return CompareMaps(estimate, reference, T, {tolerance, false}, "test");
 }
 
 TEST(MapMetricsTest, WithoutToleranceCellsAreCountedOneByOne) {
@@ -118,6 +118,12 @@ TEST(MapMetricsTest, BeyondTheReferenceCellsAreFalseUnlessNearItsEdge) {
   EXPECT_EQ(near.estimated_right, 2u);
   EXPECT_EQ(near.false_positives, 2u);
   EXPECT_DOUBLE_EQ(*near.precision, 0.5);
+  const MapMetrics open = CompareMaps(estimate, reference, SE2(), {0.5, true}, "test");
+  EXPECT_EQ(open.outside, 3u);
+  EXPECT_EQ(open.estimated_right, 2u);
+  EXPECT_EQ(open.false_positives, 0u);
+  EXPECT_EQ(open.unjudged, 2u);
+  EXPECT_DOUBLE_EQ(*open.precision, 1.0);
 }
 
 TEST(MapMetricsTest, FarAwayEstimatesAreFalse) {
@@ -319,7 +325,7 @@ TEST(MapMetricsTest, WhatCannotBeCompared) {
   const auto expect_error = [](const GridImage& estimate, const GridImage& reference, double tolerance,
                                const std::string& part) {
     try {
-      CompareMaps(estimate, reference, SE2(), tolerance, "a.yaml against b.yaml");
+      CompareMaps(estimate, reference, SE2(), {tolerance, false}, "a.yaml against b.yaml");
       ADD_FAILURE() << "no error: " << part;
     } catch (const UserError& error) {
       EXPECT_THAT(error.what(), testing::StartsWith("a.yaml against b.yaml: "));
