@@ -18,7 +18,6 @@ constexpr float kLastMargin = 0.12f;  // [m], over the neighbours.
 constexpr float kLastSlope = 0.01f;
 constexpr float kGroundBand = 0.07f;  // [m], plus kGroundGrowth of the range.
 constexpr float kGroundGrowth = 0.004f;
-constexpr float kMostGroundBand = kGroundBand + 2.0f * kGroundGrowth * GroundModel::kReach;
 constexpr float kMinSampleRange = 0.5f;  // [m]
 constexpr float kMinSampleCount = 3.0f;
 
@@ -122,6 +121,7 @@ void GroundModel::Measure(const std::vector<Eigen::Vector3f>& points, std::vecto
   std::array<float, kBlock> z;
   std::array<float, kBlock> u;
   std::array<float, kBlock> v;
+  std::array<float, kBlock> above_band;
   std::array<int, kBlock> node_of;
   const Eigen::Matrix3f r = rotation_;
   for (size_t begin = 0; begin < points.size(); begin += kBlock) {
@@ -151,10 +151,17 @@ void GroundModel::Measure(const std::vector<Eigen::Vector3f>& points, std::vecto
       height[i] = z[i] - Interpolate(&heights_[static_cast<size_t>(node_of[i])], u[i], v[i]);
     }
     for (size_t i = 0; i < size; ++i) {
-      if (std::abs(height[i]) > kMostGroundBand || std::max(std::abs(x[i]), std::abs(y[i])) >= kReach) continue;
       const float range_squared = x[i] * x[i] + y[i] * y[i];
-      if (range_squared < kMinSampleRange * kMinSampleRange) continue;
-      if (std::abs(height[i]) > kGroundBand + kGroundGrowth * std::sqrt(range_squared)) continue;
+      const float abs_x = std::abs(x[i]);
+      const float abs_y = std::abs(y[i]);
+      const float farther = abs_x > abs_y ? abs_x : abs_y;
+      const float band = kGroundBand + kGroundGrowth * std::sqrt(range_squared);
+      float above = std::abs(height[i]) - band;
+      above = farther < kReach ? above : 1.0f;
+      above_band[i] = range_squared >= kMinSampleRange * kMinSampleRange ? above : 1.0f;
+    }
+    for (size_t i = 0; i < size; ++i) {
+      if (above_band[i] > 0.0f) continue;
       const auto column = static_cast<size_t>(x[i] + kReach);
       const auto row = static_cast<size_t>(y[i] + kReach);
       Eigen::Vector4f& sum = sums_[row * kSampleCells + column];

@@ -27,7 +27,7 @@ constexpr size_t kMostLayers = 8;
 constexpr float kLayerHeight = 0.5f;      // [m], how far over one another returns are looked at together.
 constexpr float kRangeTolerance = 0.05f;  // [m], between returns from a solid thing, plus a column's width.
 constexpr float kHalfWidth = 0.03f;       // [m], how far to the sides returns are compared, at least one column,
-constexpr int kMostColumns = 4;           // at most this many.
+constexpr int kMostColumns = 3;           // at most this many.
 constexpr float kMinSolidity = 0.45f;
 constexpr size_t kMinClusters = 50;  // Less solid ones are kept up to this number.
 constexpr size_t kMaxClusters = 1000;
@@ -169,9 +169,12 @@ void SweepProjection::MakeClusters() {
   for (uint32_t begin = 0; begin < sorted_.size();) {
     const uint32_t bin = sorted_[begin].bin;
     const uint32_t end = bin_ends_[bin];
-    if (end - begin > 1) {
-      std::sort(sorted_.begin() + begin, sorted_.begin() + end,
-                [](const Return& a, const Return& b) { return a.range < b.range; });
+    // By insertion: a bin has a few returns.
+    for (uint32_t i = begin + 1; i < end; ++i) {
+      const Return moved = sorted_[i];
+      uint32_t to = i;
+      for (; to > begin && sorted_[to - 1].range > moved.range; --to) sorted_[to] = sorted_[to - 1];
+      sorted_[to] = moved;
     }
     while (begin < end) {
       Cluster cluster{Eigen::Vector2f::Zero(), 0.0f, 0.0f, 0.0f, bin};
@@ -216,10 +219,11 @@ float SweepProjection::Solidity(const Cluster& cluster, float column_width) cons
 }
 
 void SweepProjection::FindSolid(float column_width) {
-  solidities_.clear();
-  for (Cluster& cluster : clusters_) {
-    cluster.solidity = Solidity(cluster, column_width);
-    solidities_.push_back(cluster.solidity);
+  solidities_.resize(clusters_.size());
+  size_t num_solid = 0;
+  for (size_t i = 0; i < clusters_.size(); ++i) {
+    solidities_[i] = clusters_[i].solidity = Solidity(clusters_[i], column_width);
+    num_solid += solidities_[i] >= kMinSolidity ? 1 : 0;
   }
   const auto nth_highest = [this](size_t n) {
     const auto nth = solidities_.begin() + static_cast<ptrdiff_t>(n);
@@ -227,8 +231,8 @@ void SweepProjection::FindSolid(float column_width) {
     return *nth;
   };
   float least = kMinSolidity;
-  if (clusters_.size() > kMaxClusters) least = std::max(least, nth_highest(kMaxClusters));
-  least = std::min(least, clusters_.size() > kMinClusters ? nth_highest(kMinClusters) : 0.0f);
+  if (num_solid > kMaxClusters) least = nth_highest(kMaxClusters);
+  if (num_solid < kMinClusters) least = clusters_.size() > kMinClusters ? nth_highest(kMinClusters) : 0.0f;
 
   solid_.clear();
   nearest_.assign(kSectors, std::numeric_limits<float>::infinity());
