@@ -26,9 +26,11 @@ FirstReturns::FirstReturns(const PlanarScan& scan) {
   const auto sector_of = [](const Eigen::Vector2f& place) {
     return static_cast<size_t>(std::min(SectorOf(place), kSectors - 1));
   };
-  for (const Eigen::Vector2f& point : scan.points) {
-    float& first = first_[sector_of(point)];
-    first = std::min(first, point.norm());
+  for (const auto* returns : {&scan.points, &scan.first_returns}) {
+    for (const Eigen::Vector2f& point : *returns) {
+      float& first = first_[sector_of(point)];
+      first = std::min(first, point.norm());
+    }
   }
   for (const Eigen::Vector2f& end : scan.free_ends) {
     float& range = free_[sector_of(end)];

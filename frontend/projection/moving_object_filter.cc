@@ -113,6 +113,13 @@ class CellGrid {
     });
   }
 
+  // Whether there are points at the place [m, base frame] or in the cells next to it.
+  bool IsOccupiedAround(const Eigen::Vector2d& place) const {
+    bool is_occupied = false;
+    VisitAround(ToLattice(place.x()), ToLattice(place.y()), 1, [&](size_t) { is_occupied = true; });
+    return is_occupied;
+  }
+
   // The connected cells among those that `belongs(cell)`, as indices.
   template <class Belongs>
   std::vector<std::vector<size_t>> Components(Belongs&& belongs) const {
@@ -263,7 +270,7 @@ class MovingObjectFilter::Comparison {
     for (size_t k = 0; k < filter_.references_.size(); ++k) hidden_votes += Weight(k) * hidden[k];
     if (!IsFree(free_votes + hidden_votes, standing_votes)) return std::nullopt;
     for (size_t k = 0; k < filter_.references_.size(); ++k) {
-      const LeftPlaces left = CountLeftPlaces(k, center);
+      const LeftPlaces left = CountLeftPlaces(k, center, radius);
       has_left_a_place = has_left_a_place || left.num_near >= kMinLeftPlaces;
       if (left.num_beside < kMinLeftPlaces) continue;
       // Someone who walks ahead of the robot hides the places that he comes to.
@@ -299,7 +306,7 @@ class MovingObjectFilter::Comparison {
     int num_near = 0;    // Near where the thing is now.
     int num_beside = 0;  // Where the thing is now as the robot, which has moved, sees it.
   };
-  LeftPlaces CountLeftPlaces(size_t k, const Eigen::Vector2d& center) const {
+  LeftPlaces CountLeftPlaces(size_t k, const Eigen::Vector2d& center, double radius) const {
     const Reference& reference = filter_.references_[k];
     const SE2 T_base_reference = T_reference_base_[k].Inverse();
     const double reach = std::min(kMoverWidth + kMaxSpeed * std::abs(scan_.stamp - reference.stamp), kMaxReach);
@@ -310,11 +317,20 @@ class MovingObjectFilter::Comparison {
       const bool is_near = (place - center).squaredNorm() <= reach * reach;
       const bool is_beside = has_robot_moved && (then - center).squaredNorm() <= kCompanionSway * kCompanionSway;
       if (!is_near && !is_beside) continue;
-      if (Look(first_returns_, place) != Sight::kFree) continue;
-      if (is_near) ++left.num_near;
-      if (is_beside) ++left.num_beside;
+      const Sight sight = Look(first_returns_, place);
+      // Who walks towards the robot hides where he was before.
+      const bool may_be_left = sight == Sight::kHidden && IsHiddenBy(center, radius, place);
+      if (is_near && (sight == Sight::kFree || may_be_left)) ++left.num_near;
+      if (is_beside && sight == Sight::kFree) ++left.num_beside;
     }
     return left;
+  }
+
+  // Whether `place`, without points of its own, lies behind a thing, as seen from the robot.
+  bool IsHiddenBy(const Eigen::Vector2d& center, double radius, const Eigen::Vector2d& place) const {
+    if (place.norm() > options_.range || place.norm() <= center.norm() || place.dot(center) <= 0.0) return false;
+    const double beside = std::abs(place.x() * center.y() - place.y() * center.x()) / center.norm();
+    return beside <= radius && !grid_.IsOccupiedAround(place);
   }
 
   const MovingObjectFilter& filter_;
@@ -354,11 +370,17 @@ PlanarScan WithoutMovingObjects(const PlanarScan& scan, const std::vector<Moving
   for (const MovingObject& object : objects) {
     for (const size_t i : object.points) is_moving[i] = true;
   }
-  PlanarScan rest;
-  rest.stamp = scan.stamp;
-  rest.free_ends = scan.free_ends;
-  for (size_t i = 0; i < scan.points.size(); ++i)
-    (is_moving[i] ? rest.free_ends : rest.points).push_back(scan.points[i]);
+  PlanarScan rest = scan;
+  rest.points.clear();
+  rest.weights.clear();
+  for (size_t i = 0; i < scan.points.size(); ++i) {
+    if (is_moving[i]) {
+      if (scan.point_rays_are_free) rest.free_ends.push_back(scan.points[i]);
+      continue;
+    }
+    rest.points.push_back(scan.points[i]);
+    if (!scan.weights.empty()) rest.weights.push_back(scan.weights[i]);
+  }
   return rest;
 }
 

@@ -97,6 +97,7 @@ PlanarScan SweepProjection::Project(const Input& input, const Eigen::Matrix3f& R
 
   kept_.clear();
   seen_.assign(kSectors, 0);
+  first_.assign(kSectors, std::numeric_limits<float>::infinity());
   nearest_.assign(kSectors, std::numeric_limits<float>::infinity());
   bin_ends_.assign(kLayers * num_columns + 1, 0);
   for (size_t i = 0; i < points.size(); ++i) {
@@ -122,6 +123,7 @@ PlanarScan SweepProjection::Project(const Input& input, const Eigen::Matrix3f& R
       }
     }
     if (height < ground_margin + ground_growth * range || range > max_range) continue;
+    first_[sector] = std::min(first_[sector], range);
     const auto column = static_cast<size_t>((bearing + kPiF) * inverse_width);
     const auto layer = std::min(kLayers - 1, static_cast<size_t>(height * (1.0f / kLayerHeight)));
     const auto bin = static_cast<uint32_t>(layer * num_columns + column);
@@ -220,6 +222,9 @@ PlanarScan SweepProjection::Project(const Input& input, const Eigen::Matrix3f& R
     nearest_[sector] = std::min(nearest_[sector], p.norm());
   }
   for (size_t s = 0; s < kSectors; ++s) {
+    const float bearing = (static_cast<float>(s) + 0.5f) / kInverseSector - kPiF;
+    const Eigen::Vector2f direction(std::cos(bearing), std::sin(bearing));
+    if (std::isfinite(first_[s])) scan.first_returns.push_back(first_[s] * direction);
     uint64_t seen = seen_[s];
     if (seen == 0) continue;
     int step = 0;
@@ -230,8 +235,7 @@ PlanarScan SweepProjection::Project(const Input& input, const Eigen::Matrix3f& R
         std::min({nearest_[(s + kSectors - 1) % kSectors], nearest_[s], nearest_[(s + 1) % kSectors]});
     const float range = std::min(static_cast<float>(step) / inverse_step, nearest - kFreeMargin);
     if (!(range >= static_cast<float>(options_.min_range))) continue;
-    const float bearing = (static_cast<float>(s) + 0.5f) / kInverseSector - kPiF;
-    scan.free_ends.emplace_back(range * std::cos(bearing), range * std::sin(bearing));
+    scan.free_ends.push_back(range * direction);
   }
   return scan;
 }

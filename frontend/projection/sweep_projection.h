@@ -98,6 +98,7 @@ class SweepProjection {
   std::vector<Return> sorted_;
   std::vector<uint32_t> bin_ends_;
   std::vector<uint64_t> seen_;  // For each sector, the steps of range that were seen down to the ground.
+  std::vector<float> first_;    // [m], nearest return of each sector, point or not.
   std::vector<float> nearest_;  // [m], planar point of each sector.
   std::vector<Cluster> clusters_;
   std::vector<float> solidities_;
