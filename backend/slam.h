@@ -9,9 +9,9 @@
 #include "backend/loop/loop_closer.h"
 #include "backend/slam_options.h"
 #include "backend/window/sliding_window.h"
+#include "core/geometry/tilt.h"
 #include "core/map/occupancy_grid.h"
 #include "core/map/submap.h"
-#include "core/geometry/tilt.h"
 #include "core/sensor/ground_sample.h"
 #include "core/sensor/laser_scan.h"
 #include "core/sensor/lidar_sweep.h"
@@ -102,6 +102,8 @@ class Slam {
     Tilt3 tilt;
     Tilt3 local_tilt;
     std::vector<GroundSample> ground;
+    Tilt3 odometry_tilt;             // With which `lines` were measured.
+    std::vector<UprightLine> lines;  // Of keyframes.
   };
 
   // True, with a reason, for a scan that comes too late.

@@ -123,8 +123,9 @@ class ScanColumns {
     std::string fates, flags;
     for (const size_t i : shown_) {
       fates += Fate(record_.scans[i]);
-      flags +=
-          static_cast<char>('0' + (record_.scans[i].is_keyframe ? 1 : 0) + (record_.scans[i].searched_wide ? 2 : 0));
+      const ScanResult& scan = record_.scans[i];
+      flags += static_cast<char>('0' + (scan.is_keyframe ? 1 : 0) + (scan.searched_wide ? 2 : 0) +
+                                 (scan.has_ground ? 0 : 4));
     }
     columns["fate"] = fates;
     columns["flags"] = flags;
@@ -133,6 +134,10 @@ class ScanColumns {
     columns["inliers_permille"] = Column(
         1e-3, [this](size_t i) { return WasScored(record_.scans[i]) ? record_.scans[i].match.inlier_ratio : kNone; });
     columns["points"] = Column(1.0, [this](size_t i) { return record_.scans[i].match.num_points; });
+    if (std::any_of(record_.scans.begin(), record_.scans.end(),
+                    [](const ScanResult& scan) { return scan.num_moving > 0; })) {
+      columns["moving"] = Column(1.0, [this](size_t i) { return record_.scans[i].num_moving; });
+    }
     columns["bearing_mrad"] = Column(1e-3, [this](size_t i) { return UnknownBearing(record_.scans[i].match); });
     AddPoses(&columns);
     AddErrors(&columns);
@@ -201,7 +206,8 @@ class ScanColumns {
     const TrajectoryEvaluation& odometry = record_.errors->odometry;
     const Eigen::Isometry3d T_map_reference = trajectory.T_reference_estimate.inverse();
     const auto reference = [&](size_t i) -> Eigen::Vector3d {
-      return T_map_reference * trajectory.aligned_pairs[i].reference.position;
+      return T_map_reference *
+             (trajectory.aligned_pairs[i].reference.position - trajectory.z_offset * Eigen::Vector3d::UnitZ());
     };
     (*columns)["error_um"] =
         column(1e-6, by_stamp(trajectory, [&](size_t i) { return trajectory.position_errors[i]; }));
@@ -209,6 +215,8 @@ class ScanColumns {
         column(1e-6, by_stamp(odometry, [&](size_t i) { return odometry.position_errors[i]; }));
     (*columns)["reference_x_mm"] = column(1e-3, by_stamp(trajectory, [&](size_t i) { return reference(i).x(); }));
     (*columns)["reference_y_mm"] = column(1e-3, by_stamp(trajectory, [&](size_t i) { return reference(i).y(); }));
+    if (!trajectory.metrics.z_rms) return;
+    (*columns)["reference_z_mm"] = column(1e-3, by_stamp(trajectory, [&](size_t i) { return reference(i).z(); }));
   }
 
   const RunRecord& record_;

@@ -12,6 +12,7 @@
 #include "core/sensor/planar_scan.h"
 #include "frontend/projection/moving_object_filter.h"
 #include "frontend/projection/sweep_projector.h"
+#include "frontend/projection/upright_lines.h"
 
 namespace arborslam {
 
@@ -59,6 +60,11 @@ class SweepReducer {
 
   /// Remembers a sweep whose pose is known by now.
   void Commit(const ReducedSweep& sweep, const SE2& T_odom_base);
+
+  /// The upright lines of the sweep last reduced, measured with its `tilt`.
+  std::vector<UprightLine> LinesOfLast(const ReducedSweep& sweep) const {
+    return FindUprightLines(prepared_, sweep.tilt.Rotation().cast<float>());
+  }
 
  private:
   ReductionOptions options_;

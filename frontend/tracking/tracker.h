@@ -32,8 +32,8 @@ struct TrackerOptions {
   int rebuild_interval = 4;        ///< Scans put into a submap before its distance field is built anew.
   double min_occupancy = 0.55;     ///< A cell is matched to when its probability of being occupied reaches this.
   double keyframe_translation = 0.2;  ///< [m], a scan becomes a keyframe when the robot has moved this far,
-  double keyframe_rotation = 0.05;     ///< [rad], or turned this far,
-  double keyframe_interval = 10.0;     ///< [s], or this long has passed.
+  double keyframe_rotation = 0.05;    ///< [rad], or turned this far,
+  double keyframe_interval = 10.0;    ///< [s], or this long has passed.
 
   std::string Validate() const;
 

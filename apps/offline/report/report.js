@@ -23,7 +23,8 @@
     fate: raw.fate,
     score: column(raw.score_um, 1e-6),
     inliers: column(raw.inliers_permille, 0.1),
-    points: raw.points,
+    points: column(raw.points, 1),
+    moving: raw.moving ? column(raw.moving, 1) : null,
     bearing: column(raw.bearing_mrad, 1e-3),
     x: column(raw.x_mm, 1e-3),
     y: column(raw.y_mm, 1e-3),
@@ -34,12 +35,14 @@
     odometryError: raw.odometry_error_um ? column(raw.odometry_error_um, 1e-6) : null,
     referenceX: raw.reference_x_mm ? column(raw.reference_x_mm, 1e-3) : null,
     referenceY: raw.reference_y_mm ? column(raw.reference_y_mm, 1e-3) : null,
+    referenceZ: raw.reference_z_mm ? column(raw.reference_z_mm, 1e-3) : null,
     z: raw.z_mm ? column(raw.z_mm, 1e-3) : null,
     roll: raw.roll_mrad ? column(raw.roll_mrad, 0.18 / Math.PI) : null,
     pitch: raw.pitch_mrad ? column(raw.pitch_mrad, 0.18 / Math.PI) : null,
     stages: raw.stages_us.map((values) => column(values, 1e-3)),
   };
   const isKeyframe = (k) => (raw.flags.charCodeAt(k) & 1) !== 0;
+  const lacksGround = (k) => (raw.flags.charCodeAt(k) & 4) !== 0;
   const searchedWide = (k) => (raw.flags.charCodeAt(k) & 2) !== 0;
 
   // Path driven up to every scan [m]; a scan without a pose stands where the one before did.
@@ -167,7 +170,8 @@
       context.closePath();
     } else {
       const r = radius * 1.1;
-      if (kind === "tick") context.moveTo(x, y - r), context.lineTo(x, y + r);
+      if (kind === "ring") context.arc(x, y, radius, 0, 2 * Math.PI);
+      else if (kind === "tick") context.moveTo(x, y - r), context.lineTo(x, y + r);
       else {
         context.moveTo(x - r, y - r), context.lineTo(x + r, y + r);
         context.moveTo(x - r, y + r), context.lineTo(x + r, y - r);
@@ -260,6 +264,8 @@
     const notes = [];
     if (isKeyframe(k)) notes.push("keyframe");
     if (searchedWide(k)) notes.push("searched wide");
+    if (lacksGround(k)) notes.push("no ground found");
+    if (scans.moving && scans.moving[k] > 0) notes.push(plural(scans.moving[k], "moving point") + " left out");
     if (notes.length) lines.push(["", notes.join(", ")]);
     return lines;
   }
@@ -470,7 +476,7 @@
         context.setLineDash(dash);
         context.beginPath(), context.moveTo(x, y), context.lineTo(toX(loop.toX), toY(loop.toY)), context.stroke();
         context.setLineDash([]);
-        shape(context, state === "accepted" ? "dot" : "cross", x, y, state === "accepted" ? 2.8 : 3.4);
+        shape(context, state === "accepted" ? "dot" : "ring", x, y, state === "accepted" ? 2.8 : 4);
         ++drawn;
       }
       context.restore();
@@ -769,8 +775,8 @@
       ["odometry", "Odometry (causal)", "dashed", "--odometry", scans.odometryX.some(isGiven), "", true],
       ["truth", "Ground truth", "line", "--truth", scans.referenceX, "", true],
       ["accepted", "Loops accepted", "dot", "--loop", count("accepted"), count("accepted"), true],
-      ["refused", "Loops refused", "cross", "--refused", count("refused"), count("refused"), true],
-      ["dropped", "Loops dropped again", "cross", "--dropped", count("dropped"), count("dropped"), true],
+      ["refused", "Loops refused", "ring", "--refused", count("refused"), count("refused"), true],
+      ["dropped", "Loops dropped again", "ring", "--dropped", count("dropped"), count("dropped"), true],
       ["degenerate", "Degenerate scans", "diamond", "--degenerate", fateCounts.d, fateCounts.d, true],
       ["rejected", "Rejected scans", "cross", "--poor", rejected, rejected, true],
     ];
@@ -1087,7 +1093,7 @@
     if (!scans.score.some(isGiven) && !isGiven(highest(scans.score, 0, scans.n - 1))) return;
     // Gates of the same height are one line.
     const gates = new Map();
-    for (const gate of data.gates) {
+    for (const gate of data.gates.slice().sort((a, b) => a.score_m - b.score_m)) {
       if (!gates.has(gate.score_m)) gates.set(gate.score_m, []);
       gates.get(gate.score_m).push(gate.label);
     }
@@ -1208,8 +1214,13 @@
         { text: "roll", values: scans.roll, colour: "--path" },
         { text: "pitch", values: scans.pitch, colour: "--odometry" },
       ], false);
-      lineChart("height", "Height", "m", 130, [{ text: "z", values: scans.z, colour: "--truth" }], false);
+      const heights = [{ text: "z", values: scans.z, colour: "--path" }];
+      if (scans.referenceZ) heights.unshift({ text: "ground truth", values: scans.referenceZ, colour: "--truth" });
+      lineChart("height", "Height", "m", 130, heights, false);
     }
+    const counts = [{ text: "to match", values: scans.points, colour: "--path" }];
+    if (scans.moving) counts.push({ text: "moving, left out", values: scans.moving, colour: "--odometry", dash: [5, 4] });
+    lineChart("points", "Planar points", "per scan", 120, counts, true);
     addTimeChart();
     const mode = byId("x-mode");
     for (const [name, { text }] of Object.entries(X_MODES)) mode.append(element("option", { value: name, text }));
@@ -1296,8 +1307,9 @@
     }
     return low;
   }
-  function scanButton(index) {
-    return element("button", { type: "button", class: "go", text: String(index), title: "Show on the map", onclick: () => {
+  function scanLink(index) {
+    return element("a", { href: "#map-section", class: "go", text: String(index), title: "Show on the map", onclick: (event) => {
+      event.preventDefault();
       const k = shownScan(index);
       pointedLoop = null;
       pointedScan = k;
@@ -1315,7 +1327,7 @@
   function setUpFigures() {
     const counts = run.scans;
     const lastStamp = scans.n ? scans.axisTime[scans.n - 1] : 0;
-    const share = (count) => (counts.read ? fixed(100 * count / counts.read, 1) + " %" : DASH);
+    const share = (count) => (counts.read ? fixed(100 * count / counts.read, 1) + "\u00a0%" : DASH);
     const accepted = loops.filter((loop) => loop.state === "accepted").length;
     const figures = [
       ["Scans", String(counts.read), "", plural(counts.keyframes, "keyframe") + ", " + plural(run.submaps, "submap")],
@@ -1334,7 +1346,7 @@
       " ms, max " + fixed(data.times.total.max_ms, 1) + " ms"]);
     figures.push(["Whole run", fixed(data.times.run_ms / 1000, 1), "s",
       run.threads + (run.threads === 1 ? " thread" : " threads") + (lastStamp > 0 && data.times.run_ms > 0
-        ? ", " + fixed(lastStamp / (data.times.run_ms / 1000), 1) + " x real time" : "")]);
+        ? ", " + fixed(lastStamp / (data.times.run_ms / 1000), 1) + "\u00a0\u00d7\u00a0real time" : "")]);
     figures.push(["Peak memory", fixed(run.peak_memory_mib, 0), "MiB", ""]);
     byId("figures").append(...figures.map(([name, value, unit, more]) => element("div", {}, element("dt", { text: name }),
       element("dd", {}, element("div", { class: "value" }, value, unit ? " " : "", element("small", { text: unit })),
@@ -1377,8 +1389,9 @@
     byId("loops-text").textContent = [...groups].map(([name, count]) => count + " " + name).join(", ") + "." + cutNote(data.loops);
     const colours = { accepted: "--loop", refused: "--refused", dropped: "--dropped" };
     const rows = table(byId("loops-table"), "", [
-      { text: "Scan", value: (row) => row.scan, number: true, show: (row) => element("button", {
-        type: "button", class: "go", text: String(row.scan), title: "Show on the map", onclick: () => {
+      { text: "Scan", value: (row) => row.scan, number: true, show: (row) => element("a", {
+        href: "#map-section", class: "go", text: String(row.scan), title: "Show on the map", onclick: (event) => {
+          event.preventDefault();
           pointedLoop = row;
           pointedScan = -1;
           map.show((row.x + row.toX) / 2, (row.y + row.toY) / 2);
@@ -1430,7 +1443,7 @@
     byId("unused-text").textContent = "Rejected scans have the pose that the motion model predicts, skipped ones have none." +
       cutNote(data.unused);
     table(byId("unused-table"), "", [
-      { text: "Scan", value: (row) => row.index, show: (row) => scanButton(row.index), number: true },
+      { text: "Scan", value: (row) => row.index, show: (row) => scanLink(row.index), number: true },
       { text: "Stamp [s]", value: (row) => row.t, show: (row) => fixed(run.first_stamp_s + row.t, 3), number: true },
       { text: "Status", value: (row) => row.status, show: (row) => marked(FATES[row.fate].colour, row.status) },
       { text: "Reason", value: (row) => row.reason, show: (row) => row.reason, wrap: true },
@@ -1452,8 +1465,8 @@
       plural(data.stretches.total, "stretch", "stretches") + ", the longest of " + fixed(longest.length, 1) +
       " m: along one direction the map did not determine the pose, which is the prediction's there." + cutNote(data.stretches);
     table(byId("stretches-table"), "", [
-      { text: "First scan", value: (row) => row.first, show: (row) => scanButton(row.first), number: true },
-      { text: "Last scan", value: (row) => row.last, show: (row) => scanButton(row.last), number: true },
+      { text: "First scan", value: (row) => row.first, show: (row) => scanLink(row.first), number: true },
+      { text: "Last scan", value: (row) => row.last, show: (row) => scanLink(row.last), number: true },
       { text: "Scans", value: (row) => row.count, show: (row) => row.count, number: true },
       { text: "Length [m]", value: (row) => row.length, show: (row) => fixed(row.length, 2), number: true },
       { text: "From [s]", value: (row) => row.t, show: (row) => fixed(run.first_stamp_s + row.t, 3), number: true },
@@ -1528,9 +1541,15 @@
       width = window.innerWidth;
       drawAll();
     });
-    window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", drawAll);
+    window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+      // Paper is light: browsers change the scheme amid printing, when nothing may be drawn any more.
+      if (!root.classList.contains("printing")) drawAll();
+    });
+    let wasOpen = false;
     const print = (isPrinting) => {
       root.classList.toggle("printing", isPrinting);
+      if (isPrinting) wasOpen = byId("config").open;
+      byId("config").open = isPrinting || wasOpen;
       drawAll();
     };
     window.addEventListener("beforeprint", () => print(true));

@@ -124,9 +124,10 @@ struct HandmadeRun {
     record.finish.loops.push_back(loop);
   }
 
-  void AddErrors() {
+  // The reference has its origin elsewhere.
+  void AddErrors(double height = 0.0) {
     Trajectory3 reference = trajectory;
-    for (StampedPose3& pose : reference.poses) pose.position += Eigen::Vector3d(100.0, 50.0, 0.0);
+    for (StampedPose3& pose : reference.poses) pose.position += Eigen::Vector3d(100.0, 50.0, height);
     for (size_t i = 0; i < reference.poses.size(); ++i) reference.poses[i].position.x() += i % 2 == 0 ? 0.02 : -0.02;
     const auto evaluate = [&](const Trajectory3& estimate) {
       const AssociationResult pairs = Associate(estimate, reference, AssociationOptions(), "the test");
@@ -234,6 +235,29 @@ TEST(HtmlReportTest, ShowsRollPitchAndHeightWhereThereAreAny) {
   EXPECT_EQ(scans.at("z_mm").at(7), 250);
   EXPECT_EQ(scans.at("pitch_mrad").at(7), 100);
   EXPECT_EQ(scans.at("roll_mrad").at(7), -200);
+  EXPECT_FALSE(scans.contains("reference_z_mm"));
+}
+
+// The height of the true path is that of the map, wherever the reference has its zero.
+TEST(HtmlReportTest, TheTrueHeightFitsTheMap) {
+  HandmadeRun run(50);
+  for (size_t i = 0; i < 50; ++i) run.trajectory.poses[i].position.z() = 0.5 + 0.01 * static_cast<double>(i);
+  run.AddErrors(-40.0);
+  const nlohmann::json scans = DataOf(run.Report()).at("scans");
+  for (size_t i = 0; i < 50; ++i) {
+    EXPECT_NEAR(scans.at("reference_z_mm").at(i).get<double>(), scans.at("z_mm").at(i).get<double>(), 1.0) << i;
+  }
+}
+
+TEST(HtmlReportTest, TellsOfMovingThingsAndMissingGround) {
+  HandmadeRun run(3);
+  EXPECT_FALSE(DataOf(run.Report()).at("scans").contains("moving"));
+  run.record.scans[1].num_moving = 12;
+  run.record.scans[2].has_ground = false;
+  run.record.scans[2].searched_wide = true;
+  const nlohmann::json scans = DataOf(run.Report()).at("scans");
+  EXPECT_EQ(scans.at("moving"), nlohmann::json({0, 12, 0}));
+  EXPECT_EQ(scans.at("flags"), "117");
 }
 
 TEST(HtmlReportTest, AsksForNothingElse) {
@@ -466,10 +490,11 @@ TEST_F(HtmlReportBrowserTest, DrawsEveryKindOfScanLightAndDarkLargeAndSmall) {
   run.AddLoop(370, true, "");
   run.record.finish.loop_optimization.dropped_loops.push_back(
       {SubmapId{0}, KeyframeId{370}, SE2(), Eigen::Matrix3d::Identity(), Constraint::Kind::kLoop});
-  run.AddErrors();
   for (size_t i = 0; i < run.trajectory.poses.size(); ++i) {
-    run.trajectory.poses[i].position.z() = 0.1 * std::sin(0.05 * static_cast<double>(i));
+    run.trajectory.poses[i].position.z() = run.odometry.poses[i].position.z() =
+        0.5 + 0.1 * std::sin(0.05 * static_cast<double>(i));
   }
+  run.AddErrors();
   const std::string html = run.Report();
   for (const char* size : {"--window-size=1280,1000", "--window-size=390,844"}) {
     const Page page = OpenWell(html, size);
@@ -482,7 +507,8 @@ TEST_F(HtmlReportBrowserTest, DrawsEveryKindOfScanLightAndDarkLargeAndSmall) {
     EXPECT_EQ(page.Number("chart-score", "data-drawn-points"), 400);
     EXPECT_EQ(page.Number("chart-error", "data-drawn-points"), 2 * 399);
     EXPECT_EQ(page.Number("chart-attitude", "data-drawn-points"), 2 * 399);
-    EXPECT_EQ(page.Number("chart-height", "data-drawn-points"), 399);
+    EXPECT_EQ(page.Number("chart-height", "data-drawn-points"), 2 * 399);
+    EXPECT_EQ(page.Number("chart-points", "data-drawn-points"), 400);
     EXPECT_EQ(page.Number("stretches-table", "data-rows"), 2);
     EXPECT_EQ(page.Number("unused-table", "data-rows"), 4);
   }
@@ -590,8 +616,8 @@ TEST_F(HtmlReportBrowserTest, ZoomsSortsAndTellsOfScans) {
       note("sorted", up + " " + cell());
       pick("loop-filter", "refused");
       note("filtered", byId("loops-table").dataset.rows);
-      byId("loops-table").querySelector("button.go").click();
-      byId("unused-table").querySelector("button.go").click();
+      byId("loops-table").querySelector("a.go").click();
+      byId("unused-table").querySelector("a.go").click();
       window.dispatchEvent(new Event("beforeprint"));
       window.dispatchEvent(new Event("afterprint"));
     });

@@ -331,6 +331,14 @@ TEST_F(OfflineTest, MaxScansAndQuiet) {
   ExpectConsistent(Summary("more"), 30);
 }
 
+TEST_F(OfflineTest, NamesNeedNotBeUtf8) {
+  WriteShortRun();
+  fs::rename(Path("run.npz"), Path("r\xe9n.npz"));
+  RunWell("--input 'r\xe9n.npz' --output out --max_scans 2");
+  EXPECT_EQ(Files("out"), kResults);
+  EXPECT_EQ(Summary("out").at("input"), "r\xef\xbf\xbdn.npz");
+}
+
 TEST_F(OfflineTest, OneScan) {
   WriteShortRun();
   RunWell("--input run.npz --output out --max_scans 1");

@@ -7,6 +7,7 @@
 #include <random>
 #include <string>
 
+#include "core/io/atomic_file.h"
 #include "tests/core/io/temp_folder.h"
 
 namespace arborslam {
@@ -46,6 +47,18 @@ TEST(Png, PicturesReadBack) {
   EXPECT_EQ(read.width, 13);
   EXPECT_EQ(read.height, 7);
   EXPECT_EQ(read.pixels, written.pixels);
+}
+
+TEST(Png, GreyPicturesReadBack) {
+  const TempFolder folder;
+  std::mt19937 random(9);
+  GreyImage written{13, 7, {}};
+  for (int i = 0; i < 13 * 7; ++i) written.pixels.push_back(static_cast<uint8_t>(random() & 0xff));
+  WriteFileAtomically(folder.File("a.png"), EncodePng(written));
+  const RgbImage read = ReadPng(folder.File("a.png"));
+  EXPECT_EQ(read.width, 13);
+  EXPECT_EQ(read.height, 7);
+  for (size_t i = 0; i < read.pixels.size(); ++i) EXPECT_EQ(read.pixels[i], written.pixels[i / 3]) << i;
 }
 
 TEST(Png, ASidePastTheLimitIsAnError) {
