@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/geometry/angles.h"
+#include "frontend/projection/fast_atan2.h"
 
 namespace arborslam {
 namespace {
@@ -14,7 +15,7 @@ constexpr float kSectorsPerRadian = 57.29578f;
 constexpr int kMaxReach = 30;
 
 int SectorOf(const Eigen::Vector2f& direction) {
-  const float turn = std::atan2(direction.y(), direction.x()) + static_cast<float>(kPi);
+  const float turn = FastAtan2(direction.y(), direction.x()) + static_cast<float>(kPi);
   return static_cast<int>(turn * kSectorsPerRadian);
 }
 
