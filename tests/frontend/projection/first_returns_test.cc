@@ -6,6 +6,7 @@
 
 #include "core/geometry/angles.h"
 #include "core/simulation/random.h"
+#include "frontend/projection/sweep_projection.h"
 
 namespace arborslam {
 namespace {
@@ -66,6 +67,31 @@ TEST(FirstReturnsTest, ReturnsThatBecameNoPointsHideWhatIsBehind) {
   scan.first_returns = {Polar(2.0, 0.5)};
   EXPECT_EQ(LookAt(scan, 4.0, 0.5), Sight::kHidden);
   EXPECT_EQ(LookAt(scan, 1.0, 0.5), Sight::kFree);
+}
+
+TEST(FirstReturnsTest, SweepsAreNotLookedThroughWhereTheyMetLeaves) {
+  // A wide post behind one leaf: the leaf becomes no planar point, but its ray ended there.
+  std::vector<Eigen::Vector3f> points;
+  std::vector<float> heights;
+  const auto add = [&](double range, double bearing, float height) {
+    const Eigen::Vector2f place = Polar(range, bearing);
+    points.emplace_back(place.x(), place.y(), height - 0.6f);
+    heights.push_back(height);
+  };
+  for (int column = -20; column <= 20; ++column) {
+    for (const float height : {0.5f, 0.7f, 0.9f, 1.1f}) add(5.0, DegToRad(0.2 * column), height);
+  }
+  SweepProjection projection{SweepProjectionOptions()};
+  const SweepProjection::Input input{&points, &heights, 0.6f, 2.0f, static_cast<float>(DegToRad(0.2))};
+  const PlanarScan without_leaf = projection.Project(input, Eigen::Matrix3f::Identity());
+  ASSERT_FALSE(without_leaf.points.empty());
+  EXPECT_EQ(LookAt(without_leaf, 3.0, 0.0), Sight::kFree);
+  add(2.0, 0.0, 0.8f);
+  const PlanarScan with_leaf = projection.Project(input, Eigen::Matrix3f::Identity());
+  EXPECT_EQ(with_leaf.points.size(), without_leaf.points.size());
+  EXPECT_EQ(LookAt(with_leaf, 3.0, 0.0), Sight::kHidden);
+  EXPECT_EQ(LookAt(with_leaf, 1.0, 0.0), Sight::kFree);
+  EXPECT_EQ(LookAt(with_leaf, 3.0, 0.06), Sight::kFree);
 }
 
 TEST(FirstReturnsTest, AnEmptyScanKnowsNothing) {
