@@ -24,7 +24,7 @@ Slam::Slam(const SlamOptions& options, int num_threads)
     : options_(options),
       num_threads_(num_threads),
       matcher_(options.matcher, options.mhd, options.refinement),
-      reducer_(options.reduction, options.sweep, options.dynamic, options.terrain.cell_size),
+      reducer_(options.reduction, options.sweep, options.dynamic, options.compact, options.terrain.cell_size),
       tracker_(options.tracker, options.grid, options.matcher.max_distance, matcher_) {
   CHECK_GE(num_threads, 1);
 }

@@ -45,10 +45,6 @@ LevelEstimate EstimateLevel(const std::vector<UprightView>& views) {
   estimate.num_places = places.size();
   estimate.sigma = kGroundSigma;
   if (places.empty()) return estimate;
-  // Lines of one trunk lean together, and not every place is a trunk of its own: all lines count as much as one for
-  // every four places.
-  const double independence =
-      std::min(1.0, 0.25 * static_cast<double>(places.size()) / static_cast<double>(lines.size()));
   Eigen::Vector3d solution = Eigen::Vector3d::Zero();
   Eigen::Matrix3d information;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
@@ -57,15 +53,18 @@ LevelEstimate EstimateLevel(const std::vector<UprightView>& views) {
     for (const Line& line : lines) {
       const Eigen::Vector3d jacobian(line.direction.x(), line.direction.y(), 1.0);
       const double ratio = (line.slope - jacobian.dot(solution)) / kRobustScale;
-      const double weight = independence * line.weight / (1.0 + ratio * ratio);
+      const double weight = line.weight / (1.0 + ratio * ratio);
       information += weight * jacobian * jacobian.transpose();
       vector += weight * line.slope * jacobian;
     }
     information.diagonal().array() += 1e-6;
     solution = information.ldlt().solve(vector);
   }
-  const Eigen::Matrix2d covariance = Eigen::Matrix2d(information.inverse().topLeftCorner<2, 2>()) +
-                                     kCommonLean * kCommonLean * Eigen::Matrix2d::Identity();
+  // Lines of one trunk lean together, and not every place is a trunk of its own; each tells one direction of two.
+  const double num_trunks = 0.25 * static_cast<double>(places.size());
+  const double common = kCommonLean * kCommonLean + kLean * kLean / (0.5 * num_trunks);
+  const Eigen::Matrix2d covariance =
+      Eigen::Matrix2d(information.inverse().topLeftCorner<2, 2>()) + common * Eigen::Matrix2d::Identity();
   estimate.sigma = std::sqrt(0.5 * covariance.trace());
   const Eigen::Matrix2d prior = kGroundSigma * kGroundSigma * Eigen::Matrix2d::Identity();
   estimate.lean = prior * (prior + covariance).inverse() * solution.head<2>();
