@@ -107,6 +107,7 @@ void SweepProjection::Select(const Input& input, const Eigen::Matrix3f& R_base_l
   kept_.clear();
   bin_ends_.assign(num_layers * num_columns_ + 1, 0);
   seen_.assign(kSectors, 0);
+  first_.assign(kSectors, std::numeric_limits<float>::infinity());
 
   // In blocks of what lies low enough: first what the compiler can vectorise.
   constexpr size_t kBlock = 64;
@@ -149,6 +150,8 @@ void SweepProjection::Select(const Input& input, const Eigen::Matrix3f& R_base_l
         }
       }
       if (height[i] < ground_margin + ground_growth * range[i] || range[i] > max_range) continue;
+      float& first = first_[SectorOf(bearing[i])];
+      first = std::min(first, range[i]);
       const auto column = static_cast<size_t>((bearing[i] + kPiF) * inverse_width);
       const auto layer = std::min(num_layers - 1, static_cast<size_t>(std::max(0.0f, height[i]) / kLayerHeight));
       const auto bin = static_cast<uint32_t>(layer * num_columns_ + column);
@@ -234,6 +237,8 @@ void SweepProjection::FindSolid(float column_width) {
   if (num_solid > kMaxClusters) least = nth_highest(kMaxClusters);
   if (num_solid < kMinClusters) least = clusters_.size() > kMinClusters ? nth_highest(kMinClusters) : 0.0f;
 
+  KeepEdges(column_width, least);
+
   solid_.clear();
   nearest_.assign(kSectors, std::numeric_limits<float>::infinity());
   const float inverse_width = static_cast<float>(kSectors) / (2.0f * kPiF / column_width);
@@ -247,6 +252,22 @@ void SweepProjection::FindSolid(float column_width) {
   }
   std::sort(solid_.begin(), solid_.end(),
             [](const Cluster& a, const Cluster& b) { return a.bin != b.bin ? a.bin < b.bin : a.range < b.range; });
+}
+
+void SweepProjection::KeepEdges(float column_width, float least) {
+  edges_.clear();
+  for (size_t i = 0; i < clusters_.size(); ++i) {
+    const Cluster& solid = clusters_[i];
+    if (solid.solidity < least) continue;
+    const float tolerance = kRangeTolerance + column_width * solid.range;
+    const auto keep = [&](size_t k) {
+      if (clusters_[k].solidity < least && std::abs(clusters_[k].range - solid.range) <= tolerance) edges_.push_back(k);
+    };
+    // The bins of a layer follow one another.
+    for (size_t k = i; k-- > 0 && clusters_[k].bin + 1 >= solid.bin;) keep(k);
+    for (size_t k = i + 1; k < clusters_.size() && clusters_[k].bin <= solid.bin + 1; ++k) keep(k);
+  }
+  for (const size_t k : edges_) clusters_[k].solidity = least;
 }
 
 void SweepProjection::MakePoints() {
@@ -287,6 +308,9 @@ void SweepProjection::MakePoints() {
 void SweepProjection::AddFreeRays(PlanarScan* scan) const {
   const auto step_length = static_cast<float>(options_.max_range) / kRangeSteps;
   for (size_t s = 0; s < kSectors; ++s) {
+    const float bearing = (static_cast<float>(s) + 0.5f) / kInverseSector - kPiF;
+    const Eigen::Vector2f direction(std::cos(bearing), std::sin(bearing));
+    if (std::isfinite(first_[s])) scan->first_returns.push_back(first_[s] * direction);
     const uint64_t seen = seen_[s];
     if (seen == 0) continue;
     int step = 0;
@@ -297,8 +321,7 @@ void SweepProjection::AddFreeRays(PlanarScan* scan) const {
         std::min({nearest_[(s + kSectors - 1) % kSectors], nearest_[s], nearest_[(s + 1) % kSectors]});
     const float range = std::min(static_cast<float>(step) * step_length, nearest - kFreeMargin);
     if (!(range >= static_cast<float>(options_.min_range))) continue;
-    const float bearing = (static_cast<float>(s) + 0.5f) / kInverseSector - kPiF;
-    scan->free_ends.emplace_back(range * std::cos(bearing), range * std::sin(bearing));
+    scan->free_ends.push_back(range * direction);
   }
 }
 

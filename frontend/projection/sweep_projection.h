@@ -110,6 +110,9 @@ class SweepProjection {
   float Solidity(const Cluster& cluster, float column_width) const;
   // Fills solid_ and nearest_.
   void FindSolid(float column_width);
+  // Makes what lies beside something solid, one column on and at its range, solid too: the edges of trunks, which
+  // have fewer neighbours, and without which trunks would seem the thinner the farther off they are.
+  void KeepEdges(float column_width, float least);
   // Fills points_.
   void MakePoints();
   void AddFreeRays(PlanarScan* scan) const;
@@ -121,10 +124,12 @@ class SweepProjection {
   std::vector<float> ranges_;   // [m], of sorted_.
   std::vector<uint32_t> bin_ends_;
   std::vector<uint64_t> seen_;  // For each sector, the steps of range that were seen down to the ground.
+  std::vector<float> first_;    // [m], for each sector, the nearest return.
   std::vector<float> nearest_;  // [m], for each sector, the nearest thing that may be solid.
   std::vector<Cluster> clusters_;
   std::vector<float> solidities_;
   std::vector<Cluster> solid_;
+  std::vector<size_t> edges_;  // Of clusters_.
   std::vector<Point> points_;
   std::vector<uint32_t> open_;  // Points that the last column began or went on with.
   std::vector<uint32_t> still_open_;
