@@ -71,12 +71,18 @@ TEST(GroundModelTest, SamplesLieOnTheGround) {
   const Modelled modelled = Model(world, pose, 0.02);
   ASSERT_GT(modelled.model.samples().size(), 30u);
   double mean = 0.0;
+  double num_off = 0.0;
+  const auto num_samples = static_cast<double>(modelled.model.samples().size());
   for (const GroundSample& sample : modelled.model.samples()) {
     const Eigen::Vector3d p = pose * sample.position.cast<double>();
-    EXPECT_NEAR(p.z(), world.ground(p.head<2>()), p.head<2>().norm() < 10.0 ? 0.05 : 0.15);
+    const double above = p.z() - world.ground(p.head<2>());
     EXPECT_GE(sample.weight, 1.0f);
-    mean += (p.z() - world.ground(p.head<2>())) / static_cast<double>(modelled.model.samples().size());
+    EXPECT_NEAR(above, 0.0, 0.15);
+    num_off += std::abs(above) > 0.05 ? 1.0 : 0.0;
+    mean += above / num_samples;
   }
+  // A trunk's foot may stand for the ground that it hides.
+  EXPECT_LE(num_off, 0.01 * num_samples);
   EXPECT_NEAR(mean, 0.0, 0.01);
 }
 
