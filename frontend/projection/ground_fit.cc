@@ -26,7 +26,8 @@ constexpr int kIterations = 8;
 constexpr float kFirstBand = 0.30f;  // [m]
 constexpr float kLastBand = 0.06f;   // [m]
 constexpr float kStiffness = 1e-2f;  // Holds the tilt where the returns do not say it.
-constexpr int kMinInliers = 10;
+constexpr int kMinInliers = 30;
+constexpr float kMaxBelowShare = 0.7f;   // Returns below the plane, over its inliers.
 constexpr float kMinInlierShare = 0.2f;  // Of the weight of the returns.
 constexpr float kMinSpread = 0.5f;       // [m], standard deviation of the inliers along their shorter axis.
 
@@ -145,6 +146,7 @@ GroundFit FitGround(const std::vector<Eigen::Vector3f>& lowest_returns, const Gr
 
   fit.normal = UpOf(best) * Eigen::Vector3f(-best.x(), -best.y(), 1.0f);
   fit.height = -UpOf(best) * best.z();
+  int num_below = 0;
   float sum = 0.0f;
   float square_sum = 0.0f;
   Eigen::Vector2f mean = Eigen::Vector2f::Zero();
@@ -152,7 +154,11 @@ GroundFit FitGround(const std::vector<Eigen::Vector3f>& lowest_returns, const Gr
   for (Eigen::Index i = 0; i < size; ++i) {
     const Eigen::Vector3f point = candidates.At(i);
     const float distance = fit.normal.dot(point) + fit.height;
-    if (std::abs(distance) * candidates.inverse_band[i] > kScoreBand) continue;
+    const float relative = distance * candidates.inverse_band[i];
+    if (std::abs(relative) > kScoreBand) {
+      num_below += relative < 0.0f ? 1 : 0;
+      continue;
+    }
     const float weight = candidates.weight[i];
     ++fit.num_inliers;
     sum += weight;
@@ -162,6 +168,7 @@ GroundFit FitGround(const std::vector<Eigen::Vector3f>& lowest_returns, const Gr
   }
   const float all = candidates.weight.sum();
   if (fit.num_inliers < kMinInliers || sum < kMinInlierShare * all) return fit;
+  if (static_cast<float>(num_below) > kMaxBelowShare * static_cast<float>(fit.num_inliers)) return fit;
   fit.rms = std::sqrt(square_sum / sum);
   mean /= sum;
   const Eigen::Matrix2f spread = moment / sum - mean * mean.transpose();

@@ -9,12 +9,12 @@
 namespace arborslam {
 namespace {
 
-constexpr float kSmoothness = 0.5f;  // Weight of a neighbour against that of a full node.
+constexpr float kSmoothness = 0.25f;  // Weight of a neighbour against that of a full node.
 constexpr float kFlatness = 0.02f;   // Weight of the plane.
 constexpr int kIterations = 12;
 constexpr float kFirstMargin = 0.15f;  // [m], plus kFirstSlope of the range: so far above the plane may ground be.
 constexpr float kFirstSlope = 0.06f;
-constexpr float kLastMargin = 0.12f;  // [m], over the neighbours.
+constexpr float kLastMargin = 0.08f;  // [m], over the neighbours.
 constexpr float kLastSlope = 0.01f;
 constexpr float kGroundBand = 0.07f;  // [m], plus kGroundGrowth of the range.
 constexpr float kGroundGrowth = 0.004f;

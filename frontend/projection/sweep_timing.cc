@@ -106,10 +106,14 @@ void PointPhases(const LidarSweep& sweep, std::vector<float>* phases) {
 
   const std::vector<float> pieces = BlockAzimuths(points, kRingBlockPoints);
   size_t forward = 0;
-  for (size_t b = 1; b < pieces.size(); ++b) forward += WrapTurn(pieces[b] - pieces[b - 1]) > 0.0f ? 1 : 0;
-  const float forward_share = static_cast<float>(forward) / static_cast<float>(pieces.size() - 1);
-  if (std::max(forward_share, 1.0f - forward_share) < kMinSameSign) return;
-  const float sense = forward_share > 0.5f ? 1.0f : -1.0f;
+  size_t backward = 0;
+  for (size_t b = 1; b < pieces.size(); ++b) {
+    const float step = WrapTurn(pieces[b] - pieces[b - 1]);
+    forward += step > 0.0f ? 1 : 0;
+    backward += step < 0.0f ? 1 : 0;
+  }
+  if (static_cast<float>(std::max(forward, backward)) < kMinSameSign * static_cast<float>(pieces.size() - 1)) return;
+  const float sense = forward > backward ? 1.0f : -1.0f;
   const float seam = RingSeam(points);
   phases->resize(points.size());
   Azimuths(points.data(), points.size(), phases->data());
