@@ -33,7 +33,8 @@ struct CompactThingOptions {
 ///
 /// A thing is a run of connected points no wider than `max_width` and no deeper than a disc of its width; its radius is
 /// half its width. Meant for what projections of sweeps in space keep, which is solid; leaves, which make up much of a
-/// scan in the plane, are no discs. `scan->points` must be ordered by bearing, as projections give them; their order and number stay.
+/// scan in the plane, are no discs. `scan->points` must be ordered by bearing, as projections give them; their order
+/// and number stay.
 void CenterCompactThings(const CompactThingOptions& options, PlanarScan* scan);
 
 }  // namespace arborslam

@@ -10,7 +10,7 @@ namespace arborslam {
 namespace {
 
 constexpr float kSmoothness = 0.25f;  // Weight of a neighbour against that of a full node.
-constexpr float kFlatness = 0.02f;   // Weight of the plane.
+constexpr float kFlatness = 0.02f;    // Weight of the plane.
 constexpr int kIterations = 12;
 constexpr float kFirstMargin = 0.15f;  // [m], plus kFirstSlope of the range: so far above the plane may ground be.
 constexpr float kFirstSlope = 0.06f;
