@@ -11,7 +11,7 @@ namespace arborslam {
 /// x ahead, y left, z up).
 struct LidarSweep {
   double start = 0.0;     ///< [s], when the sweep began. A pose that belongs to the sweep is stamped at its middle.
-  double duration = 0.0;  ///< [s], from its first to its last return, at least 0.
+  double duration = 0.0;  ///< [s], how long it took: at least 0 and any of `times`.
   std::vector<Eigen::Vector3f> points;  ///< [m], finite, none at the origin, in the order of the file.
   std::vector<float> times;             ///< [s] since `start`, one per point; empty when the recording has no times.
   size_t num_dropped = 0;               ///< Points of the record that were infinite, not a number, or at the origin.

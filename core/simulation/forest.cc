@@ -73,8 +73,8 @@ ForestOptions::ForestOptions() {
 }
 
 std::string ForestOptions::Validate() const {
-  if (!(path_length >= 20.0 && path_length <= 10000.0)) {
-    return Violation("path_length", path_length, "lie in [20, 10000]");
+  if (!(path_length >= 20.0 && path_length <= 3000.0)) {
+    return Violation("path_length", path_length, "lie in [20, 3000]");
   }
   if (!(stems >= 0.0 && stems <= 5000.0)) return Violation("stems", stems, "lie in [0, 5000]");
   if (!(stem_distance >= 0.0 && stem_distance <= 20.0)) {
