@@ -80,7 +80,7 @@ void Slam::AddPlanarScan(const PlanarScan& planar, const SE2& prediction, ScanRe
     return;
   }
   const SE2 last_pose = is_first ? SE2() : WindowPose(scans_.back()).pose;
-  const TrackingResult tracked = tracker_.Track(planar.points, last_pose, prediction);
+  const TrackingResult tracked = tracker_.Track(planar.points, last_pose, prediction, scans_.size() > 1);
   result.match = tracked.match;
   result.searched_wide = tracked.searched_wide;
   result.status = is_first || IsUsable(tracked.match.verdict) ? ScanStatus::kMatched : ScanStatus::kPredicted;

@@ -15,6 +15,8 @@ namespace {
 constexpr size_t kMinKeyframesToMatch = 5;
 // [m], by how much more than a scan's own reach a target covers, so that it serves the next scans too.
 constexpr double kTargetMargin = 3.0;
+// Of the penalty for lying off the prediction, what is left when the robot's velocity is not known.
+constexpr double kTieBreak = 0.1;
 // A wide search must do this much better than the near one to be believed.
 constexpr double kWideGain = 0.8;
 // The wide search grows by its own size with every scan that finds nothing, up to this many times.
@@ -66,7 +68,8 @@ Tracker::Tracker(const TrackerOptions& options, const OccupancyGridOptions& grid
       max_distance_(max_distance),
       matcher_(matcher) {}
 
-TrackingResult Tracker::Track(const std::vector<Eigen::Vector2f>& points, const SE2& last_pose, const SE2& prediction) {
+TrackingResult Tracker::Track(const std::vector<Eigen::Vector2f>& points, const SE2& last_pose, const SE2& prediction,
+                              bool knows_velocity) {
   TrackingResult result;
   result.match.pose = prediction;
   result.match.num_points = static_cast<int>(points.size());
@@ -80,7 +83,11 @@ TrackingResult Tracker::Track(const std::vector<Eigen::Vector2f>& points, const 
   const SE2 T_submap_prediction = older.T_odom_submap.Inverse() * prediction;
   const MatchTarget& target = Target(T_submap_prediction, scan_reach, &older);
   const SearchPenalty penalty{options_.translation_penalty, options_.rotation_penalty};
-  const SearchWindow near{options_.near_translation, options_.near_rotation, options_.near_rotation_step, penalty};
+  SearchWindow near{options_.near_translation, options_.near_rotation, options_.near_rotation_step, penalty};
+  if (!knows_velocity) {
+    near.translation = wide_translation;
+    near.penalty = {kTieBreak * penalty.per_metre, kTieBreak * penalty.per_radian};
+  }
   MatchResult match = matcher_.Match(target, points, T_submap_prediction, near);
   if (match.verdict != MatchVerdict::kTooFewPoints && match.score > options_.wide_score) {
     // Once lost, the last pose says little, and only a clean match is believed.

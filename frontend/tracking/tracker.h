@@ -81,7 +81,11 @@ class Tracker {
   /// Matches `points` [m, base frame] to the active submaps: near `prediction` (T_odom_base) first and, if that finds
   /// nothing good, in a wide surrounding of `last_pose`, the pose of the scan before, since what went wrong is most
   /// likely the prediction. Without submaps the verdict is `kTooFewPoints`.
-  TrackingResult Track(const std::vector<Eigen::Vector2f>& points, const SE2& last_pose, const SE2& prediction);
+  /// @param knows_velocity false: `prediction` takes a robot to stand that may well drive, as at a run's second scan;
+  /// it
+  ///                       is searched for in all of the wide translation, without preferring to stand.
+  TrackingResult Track(const std::vector<Eigen::Vector2f>& points, const SE2& last_pose, const SE2& prediction,
+                       bool knows_velocity = true);
 
   /// True if a scan at `pose` is far enough in space or time from the last keyframe to become one itself.
   bool IsKeyframe(const StampedPose& last_keyframe, const StampedPose& pose) const;
