@@ -8,9 +8,11 @@ namespace arborslam {
 
 /// What the matcher and the maps eat: a sweep reduced to the plane (paper eq. 7), in the `base` frame.
 struct PlanarScan {
-  double stamp = 0.0;                      ///< [s], the middle of the sweep.
-  std::vector<Eigen::Vector2f> points;     ///< [m], returns.
-  std::vector<float> weights;              ///< Number of returns that each point stands for; empty: one each.
+  double stamp = 0.0;                   ///< [s], the middle of the sweep.
+  std::vector<Eigen::Vector2f> points;  ///< [m], returns.
+  std::vector<float> weights;           ///< Number of returns that each point stands for; empty: one each.
+  /// When in the sweep each point was measured, as a share of the sweep's duration in [0, 1]; empty: not known.
+  std::vector<float> phases;
   std::vector<Eigen::Vector2f> free_ends;  ///< [m], ends of rays that are known to be free and met nothing.
   /// True for a lidar in the plane: the rays from the origin to the points are free. A sweep in space sees over things:
   /// a ray to a far trunk may pass above a near post, and only `free_ends` tell what is free.

@@ -357,8 +357,10 @@ PlanarScan WithoutMovingObjects(const PlanarScan& scan, const std::vector<Moving
   PlanarScan rest;
   rest.stamp = scan.stamp;
   rest.free_ends = scan.free_ends;
-  for (size_t i = 0; i < scan.points.size(); ++i)
+  for (size_t i = 0; i < scan.points.size(); ++i) {
     (is_moving[i] ? rest.free_ends : rest.points).push_back(scan.points[i]);
+    if (!is_moving[i] && !scan.phases.empty()) rest.phases.push_back(scan.phases[i]);
+  }
   return rest;
 }
 

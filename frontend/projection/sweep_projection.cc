@@ -83,6 +83,7 @@ float SweepProjection::Solidity(const Cluster& cluster, size_t num_columns, floa
 PlanarScan SweepProjection::Project(const Input& input, const Eigen::Matrix3f& R_base_lidar) {
   const std::vector<Eigen::Vector3f>& points = *input.points;
   const std::vector<float>& heights = *input.heights;
+  const bool has_phases = !input.phases->empty();
   const auto min_range_squared = static_cast<float>(options_.min_range * options_.min_range);
   const auto max_range = static_cast<float>(options_.max_range);
   const auto max_bearing = static_cast<float>(options_.max_bearing);
@@ -126,7 +127,7 @@ PlanarScan SweepProjection::Project(const Input& input, const Eigen::Matrix3f& R
     const auto layer = std::min(kLayers - 1, static_cast<size_t>(height * (1.0f / kLayerHeight)));
     const auto bin = static_cast<uint32_t>(layer * num_columns + column);
     ++bin_ends_[bin + 1];
-    kept_.push_back({p.x(), p.y(), range, bin});
+    kept_.push_back({p.x(), p.y(), range, has_phases ? (*input.phases)[i] : 0.0f, bin});
   }
 
   // Returns by bin, then by range; then bin_ends_[b] is where bin b ends.
@@ -141,7 +142,7 @@ PlanarScan SweepProjection::Project(const Input& input, const Eigen::Matrix3f& R
     std::sort(sorted_.begin() + begin, sorted_.begin() + end,
               [](const Return& a, const Return& b) { return a.range < b.range; });
     while (begin < end) {
-      Cluster cluster{Eigen::Vector2f::Zero(), 0.0f, 0.0f, 0.0f, bin};
+      Cluster cluster{Eigen::Vector2f::Zero(), 0.0f, 0.0f, sorted_[begin].phase, 0.0f, bin};
       const float first_range = sorted_[begin].range;
       for (; begin < end && sorted_[begin].range <= first_range + depth; ++begin) {
         cluster.sum += Eigen::Vector2f(sorted_[begin].x, sorted_[begin].y);
@@ -184,6 +185,7 @@ PlanarScan SweepProjection::Project(const Input& input, const Eigen::Matrix3f& R
       Eigen::Vector2f sum = Eigen::Vector2f::Zero();
       float weight = 0.0f;
       const float first_range = solid_[begin].range;
+      const float phase = solid_[begin].phase;
       for (; begin < solid_.size() && solid_[begin].bin == column && solid_[begin].range <= first_range + depth;
            ++begin) {
         sum += solid_[begin].sum;
@@ -201,7 +203,7 @@ PlanarScan SweepProjection::Project(const Input& input, const Eigen::Matrix3f& R
         points_[joined].column = column;
       } else {
         joined = static_cast<uint32_t>(points_.size());
-        points_.push_back({sum, mean, weight, column});
+        points_.push_back({sum, mean, weight, phase, column});
       }
       still_open_.push_back(joined);
     }
@@ -212,9 +214,11 @@ PlanarScan SweepProjection::Project(const Input& input, const Eigen::Matrix3f& R
   scan.point_rays_are_free = false;
   scan.points.reserve(points_.size());
   scan.weights.reserve(points_.size());
+  if (has_phases) scan.phases.reserve(points_.size());
   for (const Point& point : points_) {
     scan.points.push_back(point.sum / point.weight);
     scan.weights.push_back(point.weight);
+    if (has_phases) scan.phases.push_back(point.phase);
     const Eigen::Vector2f& p = scan.points.back();
     const auto sector = std::min(kSectors - 1, static_cast<size_t>((FastAtan2(p.y(), p.x()) + kPiF) * kInverseSector));
     nearest_[sector] = std::min(nearest_[sector], p.norm());

@@ -56,13 +56,15 @@ class SweepProjection {
   struct Input {
     const std::vector<Eigen::Vector3f>* points;  ///< [m, lidar frame].
     const std::vector<float>* heights;           ///< [m], of each point over the ground.
+    const std::vector<float>* phases;            ///< As of `PointPhases`; may be empty.
     float lidar_height;                          ///< [m], of the lidar over the ground below it.
     float mean_canopy_height;                    ///< [m]
     float column_width;                          ///< [rad]
   };
 
   /// The planar points of a sweep in the frame that `R_base_lidar` turns upright, by bearing; each is the mean of
-  /// returns that lie over one another, `weights` says of how many. `free_ends` has one ray for every sector of
+  /// returns that lie over one another, `weights` says of how many, and `phases` when one of them was measured (a mean
+  /// of the sweep's first and last moment would be its middle). `free_ends` has one ray for every sector of
   /// bearing in which the ground, or what stands on it, was seen from so low that nothing, not even a low cone, can
   /// stand before it unseen; it ends before the nearest planar point.
   PlanarScan Project(const Input& input, const Eigen::Matrix3f& R_base_lidar);
@@ -72,6 +74,7 @@ class SweepProjection {
     float x;
     float y;
     float range;
+    float phase;
     uint32_t bin;  // Layer by layer, column by column.
   };
   // Returns of a bin at about one range.
@@ -79,6 +82,7 @@ class SweepProjection {
     Eigen::Vector2f sum;
     float range;   // [m], mean.
     float weight;  // Number of returns.
+    float phase;   // Of one of them.
     float solidity;
     uint32_t bin;
   };
@@ -87,6 +91,7 @@ class SweepProjection {
     Eigen::Vector2f sum;
     Eigen::Vector2f first;
     float weight;
+    float phase;
     uint32_t column;
   };
 
