@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "backend/refine/map_refiner.h"
+#include "backend/terrain/level_estimate.h"
 #include "backend/terrain/terrain_smoother.h"
 #include "core/stopwatch.h"
 #include "frontend/tracking/terrain_fit.h"
@@ -23,7 +24,7 @@ Slam::Slam(const SlamOptions& options, int num_threads)
     : options_(options),
       num_threads_(num_threads),
       matcher_(options.matcher, options.mhd, options.refinement),
-      reducer_(options.reduction, options.sweep, options.dynamic, options.terrain.cell_size),
+      reducer_(options.reduction, options.sweep, options.dynamic, options.compact, options.terrain.cell_size),
       tracker_(options.tracker, options.grid, options.matcher.max_distance, matcher_) {
   CHECK_GE(num_threads, 1);
 }
@@ -71,6 +72,8 @@ ScanResult Slam::AddScan(const LidarSweep& sweep) {
   PosedScan& scan = scans_.back();
   scan.tilt = reduced.tilt;
   scan.local_tilt = reduced.local_tilt;
+  scan.odometry_tilt = reduced.tilt;
+  if (result.is_keyframe) scan.lines = reducer_.LinesOfLast(reduced);
   scan.ground = std::move(reduced.ground);
   result.insert_ms += stopwatch.Lap();
   return result;
@@ -104,13 +107,13 @@ void Slam::AddPlanarScan(const PlanarScan& planar, const SE2& prediction, ScanRe
   if (!result.is_keyframe) {
     const KeyframeId last = keyframes_.back().id;
     result.T_odom_base = tracked.match.pose;
-    scans_.push_back({result.stamp, last, window_.Pose(last).Inverse() * result.T_odom_base, {}, {}, {}});
+    scans_.push_back({result.stamp, last, window_.Pose(last).Inverse() * result.T_odom_base, {}, {}, {}, {}, {}});
     return;
   }
   result.T_odom_base = Smooth(planar, prediction, tracked);
   result.is_inserted = keyframes_.back().is_inserted;
   result.window_ms = stopwatch.Lap();
-  scans_.push_back({result.stamp, keyframes_.back().id, SE2(), {}, {}, {}});
+  scans_.push_back({result.stamp, keyframes_.back().id, SE2(), {}, {}, {}, {}, {}});
   if (result.is_inserted) InsertIntoSubmaps();
   result.insert_ms = stopwatch.Lap();
   TrimWindow();
@@ -275,6 +278,15 @@ void Slam::FinishTerrain() {
     if (scan.ground.empty()) continue;
     const SE2 pose = graph_.Pose(scan.keyframe) * scan.T_keyframe_scan;
     scan.tilt = FitToTerrain(scan.ground, terrain, pose, scan.tilt).tilt;
+  }
+  std::vector<UprightView> upright;
+  for (const PosedScan& scan : scans_) {
+    if (scan.lines.empty()) continue;
+    upright.push_back({graph_.Pose(scan.keyframe) * scan.T_keyframe_scan, scan.tilt, scan.odometry_tilt, scan.lines});
+  }
+  const LevelEstimate level = EstimateLevel(upright);
+  for (PosedScan& scan : scans_) {
+    scan.tilt = MadeUpright(scan.tilt, graph_.Pose(scan.keyframe) * scan.T_keyframe_scan, level);
   }
 }
 

@@ -117,6 +117,8 @@ class Slam {
     Tilt3 tilt;
     Tilt3 local_tilt;
     std::vector<GroundSample> ground;
+    Tilt3 odometry_tilt;             // With which `lines` were measured.
+    std::vector<UprightLine> lines;  // Of keyframes.
   };
 
   // True, with a reason, for a scan that comes too late.

@@ -11,6 +11,7 @@
 #include "frontend/matching/matcher.h"
 #include "frontend/matching/modified_hausdorff.h"
 #include "frontend/matching/refinement.h"
+#include "frontend/projection/compact_things.h"
 #include "frontend/projection/laser_projection.h"
 #include "frontend/projection/moving_object_filter.h"
 #include "frontend/projection/sweep_projection.h"
@@ -37,6 +38,7 @@ struct SlamOptions {
   ReductionOptions reduction;
   SweepProjectionOptions sweep;
   MovingObjectOptions dynamic;
+  CompactThingOptions compact;
   MotionOptions motion;
   OccupancyGridOptions grid;
   MhdOptions mhd;
@@ -56,6 +58,7 @@ struct SlamOptions {
     visit("reduction", reduction);
     visit("sweep", sweep);
     visit("dynamic", dynamic);
+    visit("compact", compact);
     visit("motion", motion);
     visit("grid", grid);
     visit("mhd", mhd);

@@ -33,7 +33,7 @@ DEFINE_string(scenario, "", "cones, citrus, vineyard, orchard, forest or planar_
 DEFINE_string(output, "", "folder for the results");
 DEFINE_int32(seed, 1, "everything random follows from it");
 DEFINE_int32(scans, 0, "number of scans, 0: once around");
-DEFINE_string(format, "bin", "of the sweeps: bin");
+DEFINE_string(format, "bin", "of the sweeps: bin or pcd");
 DEFINE_string(config, "", "YAML file with the options of the scenario");
 DEFINE_bool(quiet, false, "print errors only");
 
@@ -52,9 +52,10 @@ Equal options give equal results on any machine.
              orchard       rows of mixed trees, VLP-16 on a legged robot that people follow, 150 m
              forest        a natural forest, VLP-16 in the hand, 400 m
              planar_orchard  rows of trees seen by a planar lidar on a legged robot: scans.npz instead of sweeps
-  --output DIR             created if it does not exist. In it: clouds/*.bin (raw sweeps), timestamps.txt (their starts),
+  --output DIR             created if it does not exist. In it: clouds/ (raw sweeps), timestamps.txt (their starts),
                            ground_truth.tum (T_world_lidar in the middle of each sweep), gt_map.yaml, controls.csv
                            (odometry) and simulation.yaml (the options in effect)
+  --format bin|pcd         of the sweeps: x, y, z, intensity as in the KITTI data sets (default), or with point times
   --seed N                 everything random follows from it (default 1)
   --scans N                number of scans (default: as many as lead once around the path)
   --config FILE.yaml       options of the scenario
@@ -87,6 +88,12 @@ void CheckFlags() {
   if (FLAGS_seed < 0) throw UsageError("--seed is " + std::to_string(FLAGS_seed) + " but must be 0 or more");
   if (IsGiven("scans") && FLAGS_scans < 1) {
     throw UsageError("--scans is " + std::to_string(FLAGS_scans) + " but must be 1 or more");
+  }
+  if (FLAGS_format != "bin" && FLAGS_format != "pcd") {
+    throw UsageError("--format is '" + FLAGS_format + "' but must be bin or pcd");
+  }
+  if (IsGiven("format") && FLAGS_scenario == kPlanarOrchard) {
+    throw UsageError("--format is for sweeps, and planar_orchard has none; leave it out");
   }
 }
 
@@ -161,7 +168,8 @@ int RunInSpace(const std::vector<std::string>& overrides, Scene (*make_scene)(co
   MakeFolder(FLAGS_output);
   const std::filesystem::path folder(FLAGS_output);
   ProgressBar progress(std::cerr, run.NumScans(), StderrIsTerminal() && !FLAGS_quiet);
-  WriteRecording(run, folder, [&](size_t count) { progress.Update(count); });
+  const SweepFormat format = FLAGS_format == "pcd" ? SweepFormat::kPcd : SweepFormat::kBin;
+  WriteRecording(run, folder, format, [&](size_t count) { progress.Update(count); });
   WriteFileAtomically((folder / "simulation.yaml").string(), schema.ToYaml());
   if (!FLAGS_quiet) {
     std::cout << run.NumScans() << " sweeps among " << run.world().solids.size() << " solids, path of "

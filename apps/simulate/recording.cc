@@ -4,28 +4,18 @@
 #include <array>
 #include <cctype>
 #include <cstdio>
-#include <cstring>
 #include <string>
 #include <system_error>
 
 #include "core/error.h"
 #include "core/io/atomic_file.h"
+#include "core/io/kitti_bin.h"
 #include "core/io/map_io.h"
+#include "core/io/point_cloud_file.h"
 #include "core/io/trajectory_io.h"
 
 namespace arborslam {
 namespace {
-
-void WriteBin(const std::string& path, const LidarSweep& sweep) {
-  std::string bytes(sweep.points.size() * 16, '\0');
-  char* to = bytes.data();
-  for (size_t i = 0; i < sweep.points.size(); ++i, to += 16) {
-    const Eigen::Vector3f& point = sweep.points[i];
-    const std::array<float, 4> record = {point.x(), point.y(), point.z(), 0.0f};
-    std::memcpy(to, record.data(), 16);
-  }
-  WriteFileAtomically(path, bytes);
-}
 
 // Sweeps of an earlier recording beside those of this one would be taken for one recording.
 void RefuseForeignFiles(const std::filesystem::path& clouds, size_t num_scans, const std::string& ending) {
@@ -61,7 +51,7 @@ void WriteRecording(const SimulatedRun& run, const std::filesystem::path& folder
   for (size_t i = 0; i < run.NumScans(); ++i) {
     const std::string path = (clouds / (Line("%06zu", i) + ending)).string();
     if (format == SweepFormat::kBin) {
-      WriteBin(path, run.Sweep(i));
+      WriteKittiBin(path, run.Sweep(i));
     } else {
       WritePcd(path, run.Sweep(i));
     }
@@ -72,7 +62,7 @@ void WriteRecording(const SimulatedRun& run, const std::filesystem::path& folder
   std::string controls = "stamp,forward_velocity,lateral_velocity,yaw_rate\n";
   for (size_t i = 0; i < run.NumScans(); ++i) {
     stamps += Line("%.9f\n", run.Start(i));
-    const PlanarVelocity velocity = run.Control(i);
+    const OdometryVelocity velocity = run.Control(i);
     controls += Line("%.9f,%.6f,%.6f,%.6f\n", run.Middle(i), velocity.forward, velocity.left, velocity.yaw);
   }
   WriteFileAtomically((folder / "timestamps.txt").string(), stamps);

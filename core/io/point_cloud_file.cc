@@ -188,7 +188,8 @@ void ReadBinaryPoints(const std::string& path, const CloudLayout& layout, const 
   }
 }
 
-// The lines of a text body. PCL's reader of text takes nonsense for 0, goes by the locale, and takes ten times as long.
+// The lines of a text body. PCL's reader of text takes nonsense for 0, goes by the locale, and takes several times as
+// long.
 class TextBody {
  public:
   TextBody(const std::string& path, std::string_view body, size_t num_lines_before)

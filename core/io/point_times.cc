@@ -40,11 +40,11 @@ std::optional<PointTimeFormat> FindPointTimeFormat(const std::vector<double>& ra
 }
 
 std::optional<PointTimeSpan> SpanOfPointTimes(const std::vector<double>& raw_times, const PointTimeFormat& format,
-                                              double sweep_duration) {
+                                              double max_span) {
   if (raw_times.empty()) return std::nullopt;
   const auto [min, max] = std::minmax_element(raw_times.begin(), raw_times.end());
   const PointTimeSpan span{*min * format.unit, *max * format.unit};
-  if (!(span.last - span.first < sweep_duration * kSpanFactor)) return std::nullopt;
+  if (!(span.last - span.first <= max_span)) return std::nullopt;
   return span;
 }
 

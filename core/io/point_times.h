@@ -30,10 +30,10 @@ struct PointTimeSpan {
   double last = 0.0;   ///< [s], likewise.
 };
 
-/// The span of `raw_times`, in any order; nothing when there are none or when it is over thirty times
-/// `sweep_duration` [s]: such times are damaged.
+/// The span of `raw_times`, in any order; nothing when there are none or when it is over `max_span` [s]: such times are
+/// damaged.
 std::optional<PointTimeSpan> SpanOfPointTimes(const std::vector<double>& raw_times, const PointTimeFormat& format,
-                                              double sweep_duration);
+                                              double max_span);
 
 }  // namespace arborslam
 

@@ -6,10 +6,11 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <map>
-#include <numeric>
 #include <string_view>
 #include <system_error>
+#include <tuple>
 #include <utility>
 
 #include "core/error.h"
@@ -28,8 +29,11 @@ namespace fs = std::filesystem;
 
 using FilesByKind = std::map<std::string, std::vector<std::string>>;
 
-constexpr double kAssumedStep = 0.1;        // [s]
-constexpr double kMostReturnsAtEnds = 1.5;  // A step of the stamps over the span of a sweep's times.
+constexpr double kUsualTurn = 0.1;  // [s]
+// A step of the stamps over the span of a sweep's times, when only returns at the ends are missing.
+constexpr double kMaxGap = 1.5;
+// The span of a sweep's times over what sweeps last: two may be in one file.
+constexpr double kMaxSpan = 3.0;
 constexpr const char* kSubfolders[] = {"clouds", "velodyne", "velodyne_points/data"};
 constexpr const char* kStampFiles[] = {"timestamps.txt", "times.txt"};
 
@@ -65,6 +69,9 @@ fs::path ParentOf(const fs::path& folder) {
   if (folder.filename() == "." || folder.filename() == "..") return folder / "..";
   return folder.has_parent_path() ? folder.parent_path() : fs::path(".");
 }
+
+// To the thousandth.
+std::string RoundedText(double value) { return ShortestText(std::round(value * 1e3) / 1e3); }
 
 // Where sweeps may lie, and where their stamps are then.
 struct Place {
@@ -109,44 +116,43 @@ std::string CountText(const FilesByKind& sweeps) {
 
 std::string NameOf(const std::string& path) { return fs::path(path).filename().string(); }
 
-std::vector<std::string> Stems(const std::vector<std::string>& files) {
-  std::vector<std::string> stems;
-  stems.reserve(files.size());
-  for (const std::string& file : files) stems.push_back(fs::path(file).stem().string());
-  return stems;
+std::string StemOf(const std::string& path) { return fs::path(path).stem().string(); }
+
+// `stem` with '#' for each of its numbers; the last of these goes to `number`.
+std::string PatternOf(std::string_view stem, double* number) {
+  constexpr std::string_view kDigits = "0123456789";
+  std::string pattern;
+  while (!stem.empty()) {
+    const size_t begin = std::min(stem.find_first_of(kDigits), stem.size());
+    const size_t end = std::min(stem.find_first_not_of(kDigits, begin), stem.size());
+    pattern += stem.substr(0, begin);
+    if (begin < end) {
+      pattern += '#';
+      std::from_chars(stem.data() + begin, stem.data() + end, *number);
+    }
+    stem.remove_prefix(end);
+  }
+  return pattern;
 }
 
-// The last number in `stem`, or nothing; the rest of it goes to `rest`.
-std::optional<double> LastNumber(const std::string& stem, std::string* rest) {
-  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
-  const auto end = std::find_if(stem.rbegin(), stem.rend(), is_digit).base();
-  const auto begin = std::find_if_not(std::make_reverse_iterator(end), stem.rend(), is_digit).base();
-  *rest = std::string(stem.begin(), begin) + '#' + std::string(end, stem.end());
-  double number = 0.0;
-  const std::string digits(begin, end);
-  if (std::from_chars(digits.data(), digits.data() + digits.size(), number).ec != std::errc()) return std::nullopt;
-  return number;
-}
-
-// What is to be told of names that differ in more than their last number, or, with `by_number`, whose numbers have
-// gaps: files may be missing. "" for names as they should be.
+// What is to be told of names that differ in more than their numbers, or, with `by_number`, whose last numbers do not
+// rise by the same step: files may be missing. "" for names as they should be.
 std::string NumberingNotice(const std::vector<std::string>& files, bool by_number) {
-  std::string rest;
-  std::string first_rest;
+  std::string pattern;
+  double number = 0.0;
   double step = 0.0;
-  const std::vector<std::string> stems = Stems(files);
-  std::optional<double> last = LastNumber(stems[0], &first_rest);
-  for (size_t i = 1; i < files.size(); ++i) {
-    const std::optional<double> number = LastNumber(stems[i], &rest);
+  for (size_t i = 0; i < files.size(); ++i) {
+    const double last_number = number;
+    const std::string last_pattern = std::exchange(pattern, PatternOf(StemOf(files[i]), &number));
+    if (i == 0) continue;
     const std::string names = Quoted(NameOf(files[i - 1])) + " and " + Quoted(NameOf(files[i]));
-    if (!number || !last || rest != first_rest) {
+    if (pattern != last_pattern || pattern.find('#') == std::string::npos) {
       return "The sweeps are not named alike (" + names + "); they are taken in the order of their names.";
     }
-    if (by_number && i > 1 && *number - *last != step) {
+    if (by_number && i > 1 && number - last_number != step) {
       return "The sweeps are not numbered evenly, first at " + names + "; some may be missing.";
     }
-    step = *number - *last;
-    last = number;
+    step = number - last_number;
   }
   return "";
 }
@@ -230,42 +236,47 @@ std::string SweepFolder::FindFiles(const std::string& path) {
 }
 
 void SweepFolder::FindStamps(const std::string& stamp_file) {
-  if (!stamp_file.empty()) {
-    const SweepStamps stamps = ReadSweepStamps(stamp_file);
-    if (stamps.seconds.size() != files_.size()) {
-      throw UserError(stamp_file,
-                      "has " + std::to_string(stamps.seconds.size()) + " stamps, but there are " +
-                          std::to_string(files_.size()) + " sweeps in " +
-                          fs::path(files_.front()).parent_path().string(),
-                      "give one stamp for each sweep, or move the file away if it is of another recording");
-    }
-    size_t num_backwards = 0;
-    size_t first_line = 0;
-    for (size_t i = 1; i < stamps.seconds.size(); ++i) {
-      if (stamps.seconds[i] > stamps.seconds[i - 1]) continue;
-      if (num_backwards++ == 0) first_line = stamps.line_numbers[i];
-    }
-    if (num_backwards > 0) {
-      notices_.push_back(std::to_string(num_backwards) + " of the " + std::to_string(files_.size()) + " stamps in " +
-                         stamp_file + " are not later than the one before, the first in line " +
-                         std::to_string(first_line) + ".");
-    }
-    stamps_ = stamps.seconds;
-    const std::string notice = NumberingNotice(files_, false);
-    if (!notice.empty()) notices_.push_back(notice);
-  } else if (const std::optional<std::vector<double>> stamps = StampsOfNames(Stems(files_))) {
-    // In the order of the stamps: 0.2500 comes before 0.300.
-    std::vector<size_t> order(files_.size());
-    std::iota(order.begin(), order.end(), size_t{0});
-    std::sort(order.begin(), order.end(), [&](size_t a, size_t b) { return (*stamps)[a] < (*stamps)[b]; });
-    std::vector<std::string> files;
-    for (const size_t i : order) {
-      files.push_back(std::move(files_[i]));
-      stamps_.push_back((*stamps)[i]);
-    }
-    files_ = std::move(files);
-    notices_.push_back("The sweeps are stamped by the names of their files.");
+  const std::vector<double> of_names = SortByStampsOfNames();
+  if (stamp_file.empty()) {
+    stamps_ = of_names;
+    if (!stamps_.empty()) notices_.push_back("The sweeps are stamped by the names of their files.");
+    return;
   }
+  const SweepStamps stamps = ReadSweepStamps(stamp_file);
+  if (stamps.seconds.size() != files_.size()) {
+    throw UserError(stamp_file,
+                    "has " + std::to_string(stamps.seconds.size()) + " stamps, but there are " +
+                        std::to_string(files_.size()) + " sweeps in " + fs::path(files_.front()).parent_path().string(),
+                    "give one stamp for each sweep, or move the file away if it is of another recording");
+  }
+  stamps_ = stamps.seconds;
+  size_t num_backwards = 0;
+  size_t first_line = 0;
+  for (size_t i = 1; i < stamps_.size(); ++i) {
+    if (stamps_[i] > stamps_[i - 1]) continue;
+    if (num_backwards++ == 0) first_line = stamps.line_numbers[i];
+  }
+  if (num_backwards > 0) {
+    notices_.push_back(std::to_string(num_backwards) + " of the " + std::to_string(files_.size()) + " stamps in " +
+                       stamp_file + " are not later than the one before, the first in line " +
+                       std::to_string(first_line) + ".");
+  }
+  const std::string notice = of_names.empty() ? NumberingNotice(files_, false) : "";
+  if (!notice.empty()) notices_.push_back(notice);
+}
+
+std::vector<double> SweepFolder::SortByStampsOfNames() {
+  std::vector<std::string> stems;
+  stems.reserve(files_.size());
+  for (const std::string& file : files_) stems.push_back(StemOf(file));
+  std::optional<std::vector<double>> stamps = StampsOfNames(stems);
+  if (!stamps) return {};
+  // 0.2500 comes before 0.300.
+  std::vector<std::pair<double, std::string>> stamped;
+  for (size_t i = 0; i < files_.size(); ++i) stamped.emplace_back((*stamps)[i], std::move(files_[i]));
+  std::sort(stamped.begin(), stamped.end());
+  for (size_t i = 0; i < files_.size(); ++i) std::tie((*stamps)[i], files_[i]) = std::move(stamped[i]);
+  return *std::move(stamps);
 }
 
 void SweepFolder::FindPointTimes() {
@@ -286,13 +297,13 @@ void SweepFolder::FindPointTimes() {
   }
 
   std::optional<PointTimeSpan> span;
-  if (format) span = SpanOfPointTimes(typical.raw_times, *format, rough_duration);
+  if (format) span = SpanOfPointTimes(typical.raw_times, *format, std::numeric_limits<double>::infinity());
   const bool is_absolute = format && (format->is_absolute || IsLastAbsolute(files_, rough_duration));
   if (stamps_.empty() && is_absolute) {
     notices_.push_back("The sweeps are stamped by the times of their first points.");
     next_start_ = span->first - static_cast<double>(index) * rough_duration;
   } else if (stamps_.empty()) {
-    AssumeStamps();
+    AssumeStamps(span ? span->last - span->first : kUsualTurn);
   }
   if (span && !is_absolute) {
     point_clock_ = PointClock::kFromStamp;
@@ -304,11 +315,11 @@ void SweepFolder::FindPointTimes() {
   FindDuration(span ? span->last - span->first : 0.0);
 }
 
-void SweepFolder::AssumeStamps() {
-  for (size_t i = 0; i < files_.size(); ++i) stamps_.push_back(kAssumedStep * static_cast<double>(i));
+void SweepFolder::AssumeStamps(double step) {
+  for (size_t i = 0; i < files_.size(); ++i) stamps_.push_back(step * static_cast<double>(i));
   if (files_.size() == 1) return;
-  notices_.push_back(
-      "The recording has no stamps (timestamps.txt or times.txt); its sweeps are taken to be 0.1 s apart (10 Hz).");
+  notices_.push_back("The recording has no stamps (timestamps.txt or times.txt); its sweeps are taken to be " +
+                     RoundedText(step) + " s apart (" + RoundedText(1.0 / step) + " Hz).");
   const std::string notice = NumberingNotice(files_, true);
   if (!notice.empty()) notices_.push_back(notice);
 }
@@ -318,19 +329,20 @@ void SweepFolder::FindDuration(double span) {
   if (options_.sweep_duration > 0.0) {
     duration_ = options_.sweep_duration;
   } else if (span > 0.0) {
-    const bool is_turning_on = of_stamps.median_step > span && of_stamps.median_step < kMostReturnsAtEnds * span;
+    const bool is_turning_on = of_stamps.median_step > span && of_stamps.median_step < kMaxGap * span;
     duration_ = is_turning_on ? of_stamps.median_step : span;
   } else {
     duration_ = of_stamps.seconds;
     is_duration_guessed_ = of_stamps.is_assumed;
     if (of_stamps.is_assumed && of_stamps.median_step > 0.0) {
       notices_.push_back(
-          "The stamps are " + ShortestText(std::round(of_stamps.median_step * 1e3) / 1e3) +
+          "The stamps are " + RoundedText(of_stamps.median_step) +
           " s apart, longer than most lidars' sweeps last; until the motion tells how long, each is taken to "
           "last " +
-          ShortestText(duration_) + " s (option input.sweep_duration).");
+          RoundedText(duration_) + " s (option input.sweep_duration).");
     }
   }
+  max_span_ = kMaxSpan * std::max(duration_, span);
 }
 
 std::optional<Scan> SweepFolder::Next() {
@@ -338,7 +350,7 @@ std::optional<Scan> SweepFolder::Next() {
   PointCloudFile file = ReadSweepFile(files_[next_]);
   LidarSweep& sweep = file.sweep;
   std::optional<PointTimeSpan> span;
-  if (point_clock_ != PointClock::kNone) span = SpanOfPointTimes(file.raw_times, point_time_format_, duration_);
+  if (point_clock_ != PointClock::kNone) span = SpanOfPointTimes(file.raw_times, point_time_format_, max_span_);
 
   const double stamp = !stamps_.empty() ? stamps_[next_] : span ? span->first : next_start_;
   ++next_;

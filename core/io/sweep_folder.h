@@ -15,21 +15,21 @@ namespace arborslam {
 /// A recording of 3D sweeps, one a file: KITTI `.bin` (`ReadKittiBin`), `.pcd` or `.ply` (`ReadPointCloudFile`).
 ///
 /// The files, all of one kind, lie in `clouds`, `velodyne` or `velodyne_points/data` below the given folder or in that
-/// folder itself (the first of these that has any), and are taken in natural order of their names (`NaturallyLess`);
-/// hidden files are left aside.
+/// folder itself (the first of these that has any), and are taken in natural order of their names (`NaturallyLess`), or
+/// of the stamps that these are (`StampsOfNames`); hidden files are left aside.
 ///
 /// Their stamps come from the first of these that there is:
 ///   1. `timestamps.txt` or `times.txt`, one stamp for each file (`ReadSweepStamps`): with the sweeps, in a folder from
 ///      there up to the given one, or, when the sweeps lie in the given folder itself, in its parent;
-///   2. the names of the files (`StampsOfNames`; the order is that of the stamps then);
+///   2. the names of the files;
 ///   3. the times of the points when they are absolute: the stamp is the sweep's first, whatever the options say;
-///   4. the place in the order, at 10 Hz from 0.
+///   4. the place in the order, from 0: each as long after the one before as its points' times span, or 0.1 s.
 /// A stamp names the start of its sweep unless `SweepFolderOptions::stamp` says otherwise.
 ///
 /// Times of points are taken as `FindPointTimeFormat` finds them in the first files. Relative ones, and absolute ones
 /// on the clock of the stamps, count from the stamp, so that a sweep whose times are negative began before its stamp;
 /// others, and all when the stamp is said to be the middle or the end, from the sweep's first point. A sweep whose
-/// times are damaged is given without.
+/// times span more than three sweeps is given without.
 ///
 /// A sweep lasts as long as `SweepFolderOptions::sweep_duration` says; else as its points' times span, or a step of the
 /// stamps where that is little longer (a lidar that turns without a pause and misses returns at the ends); without
@@ -64,8 +64,10 @@ class SweepFolder : public ScanSource {
   // Returns the path of the file of stamps, or "".
   std::string FindFiles(const std::string& path);
   void FindStamps(const std::string& stamp_file);
+  // Returns the stamps of the names, [s], or none when they are no stamps.
+  std::vector<double> SortByStampsOfNames();
   void FindPointTimes();
-  void AssumeStamps();
+  void AssumeStamps(double step);
   void FindDuration(double span);
 
   SweepFolderOptions options_;
@@ -74,6 +76,7 @@ class SweepFolder : public ScanSource {
   PointClock point_clock_ = PointClock::kNone;
   PointTimeFormat point_time_format_;
   double duration_ = 0.0;  // [s]
+  double max_span_ = 0.0;  // [s], of the times of a sweep.
   bool is_duration_guessed_ = false;
   double next_start_ = 0.0;  // [s], of a sweep without stamp and times.
   size_t next_ = 0;

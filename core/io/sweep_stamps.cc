@@ -80,14 +80,11 @@ std::optional<double> ParseDateTime(std::string_view date, std::string_view time
   return static_cast<double>(whole) + *second;
 }
 
-// The stamp that a file name is by itself, see `StampsOfNames`.
-std::optional<double> StampOfName(std::string_view stem) {
-  const auto begin = std::find_if(stem.begin(), stem.end(), IsDigit);
-  stem.remove_prefix(static_cast<size_t>(begin - stem.begin()));
-  const auto end = std::find_if_not(stem.begin(), stem.end(), IsDigit);
-  const std::string_view whole = stem.substr(0, static_cast<size_t>(end - stem.begin()));
-  if (whole.empty()) return std::nullopt;
-  const std::string_view rest = stem.substr(whole.size());
+// The stamp that `name`, which begins with a digit, is as a whole; see `StampsOfNames`.
+std::optional<double> StampOfNumber(std::string_view name, bool since_1970_only) {
+  const auto end = std::find_if_not(name.begin(), name.end(), IsDigit);
+  const std::string_view whole = name.substr(0, static_cast<size_t>(end - name.begin()));
+  const std::string_view rest = name.substr(whole.size());
   const std::string_view fraction = rest.empty() ? rest : rest.substr(1);
   if (!std::all_of(fraction.begin(), fraction.end(), IsDigit)) return std::nullopt;
   if (!rest.empty() && (rest.front() == '_' || rest.front() == '-')) {
@@ -98,9 +95,20 @@ std::optional<double> StampOfName(std::string_view stem) {
     return static_cast<double>(*seconds) + 1e-9 * static_cast<double>(*nanoseconds);
   }
   if (!rest.empty() && (rest.front() != '.' || fraction.empty())) return std::nullopt;
-  const std::optional<double> stamp = ParseStamp(stem);
-  const bool is_stamp = stamp && (IsInOurTime(*stamp) || fraction.size() >= kMinFraction);
+  const std::optional<double> stamp = ParseStamp(name);
+  const bool is_stamp = stamp && (IsInOurTime(*stamp) || (!since_1970_only && fraction.size() >= kMinFraction));
   return is_stamp ? stamp : std::nullopt;
+}
+
+// The stamp that a file name ends with.
+std::optional<double> StampOfName(std::string_view stem) {
+  bool is_first = true;
+  for (size_t i = 0; i < stem.size(); ++i) {
+    if (!IsDigit(stem[i]) || (i > 0 && IsDigit(stem[i - 1]))) continue;
+    if (const std::optional<double> stamp = StampOfNumber(stem.substr(i), !is_first)) return stamp;
+    is_first = false;
+  }
+  return std::nullopt;
 }
 
 }  // namespace

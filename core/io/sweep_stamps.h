@@ -24,13 +24,11 @@ std::optional<double> ParseStamp(std::string_view text);
 /// 1970). Throws `UserError` naming the line that is neither.
 SweepStamps ReadSweepStamps(const std::string& path);
 
-/// The stamps [s] that the file names `stems` (without extension) are, if every one is: after any prefix without
-/// digits
-///   - a number that is seconds, milli-, micro- or nanoseconds since 1970 and lies between the years 2000 and 2100,
-///     with or without a fraction,
+/// The stamps [s] that the file names `stems` (without extension) end with, if every one does and no two are alike:
+///   - seconds, milli-, micro- or nanoseconds since 1970, between the years 2000 and 2100, with or without a fraction,
 ///   - seconds and nanoseconds since 1970 in the same years, apart by '_' or '-', or
-///   - seconds from any epoch with a fraction of three digits or more,
-/// and no two are alike. Nothing otherwise: the names are mere numbers then.
+///   - seconds from any epoch with a fraction of three digits or more, when no digit comes before.
+/// Nothing otherwise: the names are mere numbers then.
 std::optional<std::vector<double>> StampsOfNames(const std::vector<std::string>& stems);
 
 /// How long a sweep lasts, as far as the stamps of a recording tell.

@@ -11,7 +11,7 @@ namespace arborslam {
 /// x ahead, y left, z up).
 struct LidarSweep {
   double start = 0.0;     ///< [s], when the sweep began. A pose that belongs to the sweep is stamped at its middle.
-  double duration = 0.0;  ///< [s], from its first to its last return, at least 0.
+  double duration = 0.0;  ///< [s], how long it took: at least 0 and any of `times`.
   /// True: nothing in the recording told `duration`. It is the same in all sweeps of the recording then, and there are
   /// no `times`.
   bool is_duration_guessed = false;

@@ -14,6 +14,9 @@ struct PlanarScan {
   /// When in the sweep each point was measured, as a share of the sweep's duration in [0, 1]; empty: not known.
   std::vector<float> phases;
   std::vector<Eigen::Vector2f> free_ends;  ///< [m], ends of rays that are known to be free and met nothing.
+  /// [m], the nearest return in each small sector of bearing that has any, also of those that became no points (leaves,
+  /// for one): how far one can look. Empty for a lidar in the plane, whose returns are all points.
+  std::vector<Eigen::Vector2f> first_returns;
   /// True for a lidar in the plane: the rays from the origin to the points are free. A sweep in space sees over things:
   /// a ray to a far trunk may pass above a near post, and only `free_ends` tell what is free.
   bool point_rays_are_free = true;

@@ -49,7 +49,7 @@ std::string CarrierOptions::Validate() const {
   return "";
 }
 
-Carrier::Carrier(const CarrierOptions& options, const ClosedPath& path, const Terrain* terrain, uint64_t seed)
+Carrier::Carrier(const CarrierOptions& options, const ClosedPath& path, const UnevenGround* terrain, uint64_t seed)
     : options_(options),
       path_(path, 0.5 * options.turn_radius, options.wander, seed),
       terrain_(terrain),
@@ -70,7 +70,9 @@ double Carrier::NominalDistance(double time) const {
 
 double Carrier::DistanceAt(double time) const {
   const double surge = kSurge / kSurgeFrequency * std::sin(kSurgeFrequency * time + surge_phase_);
-  return options_.speed * (NominalDistance(time) + SpeedShare(time) * surge);
+  // Squared, it comes and goes so slowly that the carrier never moves back.
+  const double share = SpeedShare(time);
+  return options_.speed * (NominalDistance(time) + share * share * surge);
 }
 
 Eigen::Isometry3d Carrier::PoseAt(double time) const {
@@ -98,7 +100,7 @@ Eigen::Isometry3d Carrier::PoseAt(double time) const {
   return pose;
 }
 
-PlanarVelocity Carrier::VelocityAt(double time) const {
+OdometryVelocity Carrier::VelocityAt(double time) const {
   const SE2 before = path_.At(DistanceAt(time - kDifference));
   const SE2 after = path_.At(DistanceAt(time + kDifference));
   const SE2 here = path_.At(DistanceAt(time));

@@ -10,7 +10,7 @@
 #include "core/simulation/body_motion.h"
 #include "core/simulation/closed_path.h"
 #include "core/simulation/spline_path.h"
-#include "core/simulation/terrain.h"
+#include "core/simulation/uneven_ground.h"
 
 namespace arborslam {
 
@@ -40,7 +40,7 @@ struct CarrierOptions {
 };
 
 /// Motion in the plane, in the carrier's own frame.
-struct PlanarVelocity {
+struct OdometryVelocity {
   double forward = 0.0;  ///< [m/s].
   double left = 0.0;     ///< [m/s].
   double yaw = 0.0;      ///< [rad/s].
@@ -51,7 +51,7 @@ struct PlanarVelocity {
 class Carrier {
  public:
   /// `options` must be valid; `terrain` is borrowed.
-  Carrier(const CarrierOptions& options, const ClosedPath& path, const Terrain* terrain, uint64_t seed);
+  Carrier(const CarrierOptions& options, const ClosedPath& path, const UnevenGround* terrain, uint64_t seed);
 
   /// [s], from the beginning of the first rest to the end of the last.
   double Duration() const { return duration_; }
@@ -66,7 +66,7 @@ class Carrier {
   Eigen::Isometry3d PoseAt(double time) const;
 
   /// Of the mean course, as a robot's odometry tells it, at `time` [s].
-  PlanarVelocity VelocityAt(double time) const;
+  OdometryVelocity VelocityAt(double time) const;
 
  private:
   // How much of its full speed the carrier has, in [0, 1], and the distance at a speed of 1 m/s.
@@ -75,7 +75,7 @@ class Carrier {
 
   CarrierOptions options_;
   SplinePath path_;
-  const Terrain* terrain_;
+  const UnevenGround* terrain_;
   double duration_;
   BodyMotion body_motion_;
   double surge_phase_;  // [rad].

@@ -57,7 +57,7 @@ std::string CitrusOptions::Validate() const {
 Scene MakeCitrus(const CitrusOptions& options) {
   const ClosedPath path = RowPath(Lanes(options.rows), options.row_spacing, -options.headland,
                                   options.row_length + options.headland, options.run.carrier.turn_radius);
-  Scene scene{path, {TerrainAround(path, options.run), {}, {}, {}}};
+  Scene scene{path, {GroundAround(path, options.run), {}, {}, {}}};
   Random random(static_cast<uint64_t>(options.run.seed), kStream);
   TreeShape tree;
   tree.trunk_radius = 0.11;

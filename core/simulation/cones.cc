@@ -61,7 +61,7 @@ Scene MakeCones(const ConesOptions& options) {
   const ClosedPath path(
       {{0.0, 0.0}, {kHalfLength, 0.0}, {kHalfLength, kWidth}, {-kHalfLength, kWidth}, {-kHalfLength, 0.0}},
       options.run.carrier.turn_radius);
-  Scene scene{path, {TerrainAround(path, options.run), {}, {}, {}}};
+  Scene scene{path, {GroundAround(path, options.run), {}, {}, {}}};
   World3& world = scene.world;
   Random random(static_cast<uint64_t>(options.run.seed), kStream);
   struct Base {

@@ -73,8 +73,8 @@ ForestOptions::ForestOptions() {
 }
 
 std::string ForestOptions::Validate() const {
-  if (!(path_length >= 20.0 && path_length <= 10000.0)) {
-    return Violation("path_length", path_length, "lie in [20, 10000]");
+  if (!(path_length >= 20.0 && path_length <= 3000.0)) {
+    return Violation("path_length", path_length, "lie in [20, 3000]");
   }
   if (!(stems >= 0.0 && stems <= 5000.0)) return Violation("stems", stems, "lie in [0, 5000]");
   if (!(stem_distance >= 0.0 && stem_distance <= 20.0)) {
@@ -93,7 +93,7 @@ std::string ForestOptions::Validate() const {
 Scene MakeForest(const ForestOptions& options) {
   Random path_random(static_cast<uint64_t>(options.run.seed), kPath);
   const ClosedPath path = FigureOfEight(options.path_length, options.run.carrier.turn_radius, &path_random);
-  Scene scene{path, {TerrainAround(path, options.run), {}, {}, {}}};
+  Scene scene{path, {GroundAround(path, options.run), {}, {}, {}}};
   World3& world = scene.world;
   Random random(static_cast<uint64_t>(options.run.seed), kPlants);
   const PathPoints points(path);

@@ -90,7 +90,7 @@ Scene MakeOrchard(const OrchardOptions& options) {
   for (int lane = 0; lane < kLanes; ++lane) lanes.push_back(lane);
   const ClosedPath path = RowPath(lanes, options.row_spacing, -options.headland, options.row_length + options.headland,
                                   options.run.carrier.turn_radius);
-  Scene scene{path, {TerrainAround(path, options.run), {}, {}, {}}};
+  Scene scene{path, {GroundAround(path, options.run), {}, {}, {}}};
   World3& world = scene.world;
   Random random(static_cast<uint64_t>(options.run.seed), kStream);
   const std::vector<Kind> kinds = Kinds(options.leaf_density);

@@ -18,7 +18,7 @@ Eigen::Vector3d LeaningAxis(double lean, Random* random) {
 }
 
 // An upright frustum that stands in the ground at `place` and has `radius` there.
-Frustum Standing(const Eigen::Vector2d& place, const Terrain& terrain, const Eigen::Vector3d& axis, double length,
+Frustum Standing(const Eigen::Vector2d& place, const UnevenGround& terrain, const Eigen::Vector3d& axis, double length,
                  double radius, double top_radius) {
   const Eigen::Vector3d foot(place.x(), place.y(), terrain.Height(place));
   const double depth_radius = radius + (radius - top_radius) * kRootDepth / length;

@@ -29,7 +29,7 @@ constexpr double kSwing = 0.6;            // Of the widest stride.
 
 // People who keep 1 to 3 m behind the carrier and to its sides.
 std::function<std::vector<Frustum>(double)> Followers(int count, uint64_t seed, const Carrier* carrier,
-                                                      const Terrain* terrain) {
+                                                      const UnevenGround* terrain) {
   struct Follower {
     double distance, left, height, phase;
   };
@@ -81,10 +81,10 @@ Extent ExtentOf(const ClosedPath& path) {
   return extent;
 }
 
-Terrain TerrainAround(const ClosedPath& path, const RunOptions& options) {
+UnevenGround GroundAround(const ClosedPath& path, const RunOptions& options) {
   const Extent extent = ExtentOf(path);
   const Eigen::Vector2d margin = Eigen::Vector2d::Constant(options.lidar.max_range + 5.0);
-  return Terrain(options.terrain, static_cast<uint64_t>(options.seed), extent.low - margin, extent.high + margin);
+  return UnevenGround(options.terrain, static_cast<uint64_t>(options.seed), extent.low - margin, extent.high + margin);
 }
 
 SimulatedRun::SimulatedRun(const RunOptions& options, Scene scene)
@@ -117,12 +117,12 @@ Trajectory3 SimulatedRun::GroundTruth() const {
   return truth;
 }
 
-PlanarVelocity SimulatedRun::Control(size_t index) const {
+OdometryVelocity SimulatedRun::Control(size_t index) const {
   Random odometry(static_cast<uint64_t>(options_.seed), kOdometry);
   const double scale = 1.0 + 0.02 * odometry.Gaussian();
   const double yaw_bias = 0.002 * odometry.Gaussian();
   Random random(static_cast<uint64_t>(options_.seed), kControls + index);
-  PlanarVelocity velocity = carrier_.VelocityAt(Middle(index));
+  OdometryVelocity velocity = carrier_.VelocityAt(Middle(index));
   velocity.forward += 0.05 * velocity.forward * random.Gaussian() + 0.01 * random.Gaussian();
   velocity.forward *= scale;
   velocity.left += 0.01 * random.Gaussian();

@@ -10,7 +10,7 @@
 #include "core/simulation/carrier.h"
 #include "core/simulation/closed_path.h"
 #include "core/simulation/lidar3.h"
-#include "core/simulation/terrain.h"
+#include "core/simulation/uneven_ground.h"
 #include "core/simulation/world3.h"
 
 namespace arborslam {
@@ -22,7 +22,7 @@ struct RunOptions {
   int followers = 0;             ///< People who walk behind the carrier.
   double map_resolution = 0.05;  ///< [m], of the ground-truth map.
   double map_margin = 10.0;      ///< [m], how far that reaches beyond the path.
-  TerrainOptions terrain;
+  UnevenGroundOptions terrain;
   CarrierOptions carrier;
   Lidar3Options lidar;
 
@@ -56,7 +56,7 @@ struct Extent {
 Extent ExtentOf(const ClosedPath& path);
 
 /// The terrain under everything that can be seen from `path`.
-Terrain TerrainAround(const ClosedPath& path, const RunOptions& options);
+UnevenGround GroundAround(const ClosedPath& path, const RunOptions& options);
 
 /// A recording of a lidar that is carried once around a path, with its exact ground truth. Every sweep follows from the
 /// options and its index alone: sweeps can be drawn in any order, and from several threads.
@@ -84,7 +84,7 @@ class SimulatedRun {
   Trajectory3 GroundTruth() const;
 
   /// What the carrier's odometry says at Middle(index): its velocity with errors of scale, bias and noise.
-  PlanarVelocity Control(size_t index) const;
+  OdometryVelocity Control(size_t index) const;
 
   /// The solids seen from above (see `FootprintMap`).
   GridImage Map() const;

@@ -74,7 +74,7 @@ Scene MakeVineyard(const VineyardOptions& options) {
   const int skipped = options.corridors >= 4 ? 2 : 1;
   const ClosedPath path = RowPath({0, skipped}, options.row_spacing, -options.headland,
                                   options.row_length + options.headland, options.run.carrier.turn_radius);
-  Scene scene{path, {TerrainAround(path, options.run), {}, {}, {}}};
+  Scene scene{path, {GroundAround(path, options.run), {}, {}, {}}};
   World3& world = scene.world;
   Random random(static_cast<uint64_t>(options.run.seed), kStream);
   const int first_corridor = options.corridors >= 3 ? -1 : 0;

@@ -6,13 +6,13 @@
 
 #include "core/simulation/frustum.h"
 #include "core/simulation/leaves.h"
-#include "core/simulation/terrain.h"
+#include "core/simulation/uneven_ground.h"
 
 namespace arborslam {
 
 /// What a 3D lidar can see. World frame: z up along gravity.
 struct World3 {
-  Terrain terrain;
+  UnevenGround terrain;
   std::vector<Frustum> solids;
   std::vector<Leaves> leaves;
   /// Solids that move: all there are at a time [s]. May be empty.

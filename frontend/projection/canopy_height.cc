@@ -8,13 +8,14 @@ namespace {
 
 constexpr float kMaxRange = 15.0f;   // [m]
 constexpr float kMinHeight = 0.25f;  // [m], below is ground and grass.
+constexpr size_t kStride = 7;        // Every seventh return is enough; 7 shares no factor with the numbers of rings.
 constexpr int kMemory = 50;          // Sweeps.
 
 }  // namespace
 
 void CanopyHeight::Add(const std::vector<Eigen::Vector3f>& points, const std::vector<float>& heights) {
   std::array<float, kBins> counts{};
-  for (size_t i = 0; i < points.size(); ++i) {
+  for (size_t i = 0; i < points.size(); i += kStride) {
     const float height = heights[i];
     if (!(height >= kMinHeight && height < kBins * kBinHeight)) continue;
     if (points[i].head<2>().squaredNorm() > kMaxRange * kMaxRange) continue;

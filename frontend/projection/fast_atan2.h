@@ -1,7 +1,9 @@
 #ifndef ARBORSLAM_FRONTEND_PROJECTION_FAST_ATAN2_H_
 #define ARBORSLAM_FRONTEND_PROJECTION_FAST_ATAN2_H_
 
+#include <Eigen/Core>
 #include <cmath>
+#include <cstddef>
 
 namespace arborslam {
 
@@ -22,6 +24,9 @@ inline float FastAtan2(float y, float x) {
   angle = x < 0.0f ? 3.14159265f - angle : angle;
   return y < 0.0f ? -angle : angle;
 }
+
+/// Azimuths [rad], from the x axis to the y axis in [-pi, pi], of `num_points` points.
+void Azimuths(const Eigen::Vector3f* points, size_t num_points, float* azimuths);
 
 }  // namespace arborslam
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/geometry/angles.h"
+#include "frontend/projection/fast_atan2.h"
 
 namespace arborslam {
 namespace {
@@ -14,7 +15,7 @@ constexpr float kSectorsPerRadian = 57.29578f;
 constexpr int kMaxReach = 30;
 
 int SectorOf(const Eigen::Vector2f& direction) {
-  const float turn = std::atan2(direction.y(), direction.x()) + static_cast<float>(kPi);
+  const float turn = FastAtan2(direction.y(), direction.x()) + static_cast<float>(kPi);
   return static_cast<int>(turn * kSectorsPerRadian);
 }
 
@@ -26,9 +27,11 @@ FirstReturns::FirstReturns(const PlanarScan& scan) {
   const auto sector_of = [](const Eigen::Vector2f& place) {
     return static_cast<size_t>(std::min(SectorOf(place), kSectors - 1));
   };
-  for (const Eigen::Vector2f& point : scan.points) {
-    float& first = first_[sector_of(point)];
-    first = std::min(first, point.norm());
+  for (const auto* returns : {&scan.points, &scan.first_returns}) {
+    for (const Eigen::Vector2f& point : *returns) {
+      float& first = first_[sector_of(point)];
+      first = std::min(first, point.norm());
+    }
   }
   for (const Eigen::Vector2f& end : scan.free_ends) {
     float& range = free_[sector_of(end)];

@@ -25,61 +25,63 @@ constexpr float kBelowPenalty = 0.7f;
 constexpr int kIterations = 8;
 constexpr float kFirstBand = 0.30f;  // [m]
 constexpr float kLastBand = 0.06f;   // [m]
-constexpr int kMinInliers = 10;
+constexpr float kStiffness = 1e-2f;  // Holds the tilt where the returns do not say it.
+constexpr int kMinInliers = 30;
+constexpr float kMaxBelowShare = 0.7f;   // Returns below the plane, over its inliers.
 constexpr float kMinInlierShare = 0.2f;  // Of the weight of the returns.
 constexpr float kMinSpread = 0.5f;       // [m], standard deviation of the inliers along their shorter axis.
 
-// A lowest return, with its weight by range.
-struct Candidate {
-  Eigen::Vector3f point;
-  float weight;
-  float band;  // Widening by range: 1 at the lidar.
+// Lowest returns, with their weights by range. Coordinate by coordinate, so that Eigen can vectorise.
+struct Candidates {
+  Eigen::ArrayXf x, y, z;
+  Eigen::ArrayXf weight;
+  Eigen::ArrayXf inverse_band;  // Of the band's growth with range: 1 at the lidar.
+  Eigen::ArrayXf scratch;
+
+  Eigen::Index size() const { return x.size(); }
+  Eigen::Vector3f At(Eigen::Index i) const { return {x[i], y[i], z[i]}; }
 };
 
 // z = a x + b y + c in the lidar frame.
 using Plane = Eigen::Vector3f;
 
-float Score(const std::vector<Candidate>& candidates, const Plane& plane) {
-  const float up = 1.0f / std::sqrt(1.0f + plane.head<2>().squaredNorm());
-  float score = 0.0f;
-  for (const Candidate& c : candidates) {
-    const float distance = up * (c.point.z() - plane.x() * c.point.x() - plane.y() * c.point.y() - plane.z());
-    const float relative = distance / (kScoreBand * c.band);
-    const float near = 1.0f - relative * relative;
-    score += c.weight * (near > 0.0f ? near : (relative < 0.0f ? -kBelowPenalty * std::min(1.0f, -near) : 0.0f));
-  }
-  return score;
+float UpOf(const Plane& plane) { return 1.0f / std::sqrt(1.0f + plane.head<2>().squaredNorm()); }
+
+// Distances above the plane in units of `band` and its growth, into `scratch`.
+void Distances(const Plane& plane, float band, Candidates* c) {
+  c->scratch = (UpOf(plane) / band) * (c->z - plane.x() * c->x - plane.y() * c->y - plane.z()) * c->inverse_band;
+}
+
+float Score(const Plane& plane, Candidates* c) {
+  Distances(plane, kScoreBand, c);
+  const auto& d = c->scratch;
+  return (c->weight * ((1.0f - d * d).max(0.0f) - kBelowPenalty * (d.min(0.0f).square() - 1.0f).max(0.0f).min(1.0f)))
+      .sum();
 }
 
 bool IsPlausible(const Plane& plane) {
-  const float up = 1.0f / std::sqrt(1.0f + plane.head<2>().squaredNorm());
+  const float up = UpOf(plane);
   const float height = -up * plane.z();
   return up >= kMinUp && height >= kMinHeight && height <= kMaxHeight;
 }
 
-// Weight of a return at `relative` bands above the plane: Tukey's, half as wide above as below.
-float RobustWeight(float relative) {
-  const float scaled = relative > 0.0f ? relative : 0.5f * relative;
-  const float rest = 1.0f - scaled * scaled;
-  return rest > 0.0f ? rest * rest : 0.0f;
-}
-
-Plane Refine(const std::vector<Candidate>& candidates, Plane plane) {
+Plane Refine(Plane plane, Candidates* c) {
   for (int i = 0; i < kIterations; ++i) {
     const float share = static_cast<float>(i) / (kIterations - 1);
-    const float band = kFirstBand * std::pow(kLastBand / kFirstBand, share);
-    const float up = 1.0f / std::sqrt(1.0f + plane.head<2>().squaredNorm());
-    Eigen::Matrix3f normal_matrix = Eigen::Vector3f(1e-2f, 1e-2f, 1e-6f).asDiagonal();
-    Eigen::Vector3f right = 1e-2f * Eigen::Vector3f(plane.x(), plane.y(), 0.0f);
-    for (const Candidate& c : candidates) {
-      const Eigen::Vector3f row(c.point.x(), c.point.y(), 1.0f);
-      const float distance = up * (c.point.z() - plane.dot(row));
-      const float weight = c.weight * RobustWeight(distance / (band * c.band));
-      if (weight == 0.0f) continue;
-      normal_matrix += weight * row * row.transpose();
-      right += weight * c.point.z() * row;
-    }
-    plane = normal_matrix.ldlt().solve(right);
+    Distances(plane, kFirstBand * std::pow(kLastBand / kFirstBand, share), c);
+    // Tukey's weight, half as wide above as below.
+    Eigen::ArrayXf& w = c->scratch;
+    w = c->weight * (1.0f - (w.max(0.0f) + 0.5f * w.min(0.0f)).square()).max(0.0f).square();
+    const float xy = (w * c->x * c->y).sum();
+    const float x1 = (w * c->x).sum();
+    const float y1 = (w * c->y).sum();
+    Eigen::Matrix3f matrix;
+    matrix << (w * c->x.square()).sum() + kStiffness, xy, x1,  //
+        xy, (w * c->y.square()).sum() + kStiffness, y1,        //
+        x1, y1, w.sum() + 1e-6f;
+    const Eigen::Vector3f right((w * c->x * c->z).sum() + kStiffness * plane.x(),
+                                (w * c->y * c->z).sum() + kStiffness * plane.y(), (w * c->z).sum());
+    plane = matrix.ldlt().solve(right);
   }
   return plane;
 }
@@ -88,42 +90,50 @@ Plane Refine(const std::vector<Candidate>& candidates, Plane plane) {
 
 GroundFit FitGround(const std::vector<Eigen::Vector3f>& lowest_returns, const GroundFit& prior) {
   GroundFit fit;
-  std::vector<Candidate> candidates;
-  candidates.reserve(lowest_returns.size());
+  const auto capacity = static_cast<Eigen::Index>(lowest_returns.size());
+  Candidates candidates;
+  for (Eigen::ArrayXf* array : {&candidates.x, &candidates.y, &candidates.z}) array->resize(capacity);
+  Eigen::Index size = 0;
   for (const Eigen::Vector3f& point : lowest_returns) {
-    const float range_squared = point.head<2>().squaredNorm();
-    if (range_squared > kMaxRange * kMaxRange) continue;
-    const float relative = range_squared / (kNearRange * kNearRange);
-    const float weight = 1.0f / ((1.0f + relative) * (1.0f + relative));
-    candidates.push_back({point, weight, 1.0f + kBandGrowth / kScoreBand * std::sqrt(range_squared)});
+    if (point.head<2>().squaredNorm() > kMaxRange * kMaxRange) continue;
+    candidates.x[size] = point.x();
+    candidates.y[size] = point.y();
+    candidates.z[size] = point.z();
+    ++size;
   }
-  if (candidates.size() < static_cast<size_t>(kMinInliers)) return fit;
+  if (size < kMinInliers) return fit;
+  for (Eigen::ArrayXf* array : {&candidates.x, &candidates.y, &candidates.z}) array->conservativeResize(size);
+  const Eigen::ArrayXf range_squared = candidates.x.square() + candidates.y.square();
+  candidates.weight = (1.0f + range_squared / (kNearRange * kNearRange)).square().inverse();
+  candidates.inverse_band = (1.0f + kBandGrowth / kScoreBand * range_squared.sqrt()).inverse();
 
   Plane best = Plane::Zero();
   float best_score = 0.0f;
   if (prior.ok) {
     const Eigen::Vector3f& n = prior.normal;
     best = Plane(-n.x() / n.z(), -n.y() / n.z(), -prior.height / n.z());
-    const Plane refined = Refine(candidates, best);
+    const Plane refined = Refine(best, &candidates);
     if (IsPlausible(refined)) {
       best = refined;
-      best_score = Score(candidates, best);
+      best_score = Score(best, &candidates);
     }
   }
   Random random(1);
-  const auto draw = [&] { return (random.Bits() >> 32) * candidates.size() >> 32; };
+  const auto draw = [&] {
+    return candidates.At(static_cast<Eigen::Index>((random.Bits() >> 32) * static_cast<uint64_t>(size) >> 32));
+  };
   bool drawn_is_best = false;
   const int draws = prior.ok ? kDrawsWithPrior : kDrawsWithout;
   for (int i = 0; i < draws; ++i) {
-    const Eigen::Vector3f a = candidates[draw()].point;
-    const Eigen::Vector3f ab = candidates[draw()].point - a;
-    const Eigen::Vector3f ac = candidates[draw()].point - a;
+    const Eigen::Vector3f a = draw();
+    const Eigen::Vector3f ab = draw() - a;
+    const Eigen::Vector3f ac = draw() - a;
     const Eigen::Vector3f n = ab.cross(ac);
     // Three returns far enough apart to say something about the tilt.
     if (!(std::abs(n.z()) > 1.0f)) continue;
     const Plane plane(-n.x() / n.z(), -n.y() / n.z(), n.dot(a) / n.z());
     if (!IsPlausible(plane)) continue;
-    const float score = Score(candidates, plane);
+    const float score = Score(plane, &candidates);
     if (score > best_score) {
       best_score = score;
       best = plane;
@@ -131,28 +141,34 @@ GroundFit FitGround(const std::vector<Eigen::Vector3f>& lowest_returns, const Gr
     }
   }
   if (best_score <= 0.0f) return fit;
-  if (drawn_is_best) best = Refine(candidates, best);
+  if (drawn_is_best) best = Refine(best, &candidates);
   if (!IsPlausible(best)) return fit;
 
-  const float up = 1.0f / std::sqrt(1.0f + best.head<2>().squaredNorm());
-  fit.normal = up * Eigen::Vector3f(-best.x(), -best.y(), 1.0f);
-  fit.height = -up * best.z();
-  float all = 0.0f;
+  fit.normal = UpOf(best) * Eigen::Vector3f(-best.x(), -best.y(), 1.0f);
+  fit.height = -UpOf(best) * best.z();
+  int num_below = 0;
   float sum = 0.0f;
   float square_sum = 0.0f;
   Eigen::Vector2f mean = Eigen::Vector2f::Zero();
   Eigen::Matrix2f moment = Eigen::Matrix2f::Zero();
-  for (const Candidate& c : candidates) {
-    all += c.weight;
-    const float distance = fit.normal.dot(c.point) + fit.height;
-    if (std::abs(distance) > kScoreBand * c.band) continue;
+  for (Eigen::Index i = 0; i < size; ++i) {
+    const Eigen::Vector3f point = candidates.At(i);
+    const float distance = fit.normal.dot(point) + fit.height;
+    const float relative = distance * candidates.inverse_band[i];
+    if (std::abs(relative) > kScoreBand) {
+      num_below += relative < 0.0f ? 1 : 0;
+      continue;
+    }
+    const float weight = candidates.weight[i];
     ++fit.num_inliers;
-    sum += c.weight;
-    square_sum += c.weight * distance * distance;
-    mean += c.weight * c.point.head<2>();
-    moment += c.weight * c.point.head<2>() * c.point.head<2>().transpose();
+    sum += weight;
+    square_sum += weight * distance * distance;
+    mean += weight * point.head<2>();
+    moment += weight * point.head<2>() * point.head<2>().transpose();
   }
+  const float all = candidates.weight.sum();
   if (fit.num_inliers < kMinInliers || sum < kMinInlierShare * all) return fit;
+  if (static_cast<float>(num_below) > kMaxBelowShare * static_cast<float>(fit.num_inliers)) return fit;
   fit.rms = std::sqrt(square_sum / sum);
   mean /= sum;
   const Eigen::Matrix2f spread = moment / sum - mean * mean.transpose();

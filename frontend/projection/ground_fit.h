@@ -24,7 +24,8 @@ struct GroundFit {
 /// another. A prior that has become wrong is outvoted by a drawn plane: it only saves most of the draws.
 ///
 /// `prior.ok` false: the height is unknown and many planes are drawn. The fit is not `ok` when the plane has too few
-/// inliers, when these are a small part of the lowest returns near the lidar, or when they lie along a line.
+/// inliers, when these are a small part of the lowest returns near the lidar or lie along a line, or when much lies
+/// below it.
 GroundFit FitGround(const std::vector<Eigen::Vector3f>& lowest_returns, const GroundFit& prior);
 
 }  // namespace arborslam

@@ -2,18 +2,20 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 
 namespace arborslam {
 namespace {
 
-constexpr float kSmoothness = 0.5f;  // Weight of a neighbour against that of a full node.
-constexpr float kFlatness = 0.02f;   // Weight of the plane.
+constexpr float kSmoothness = 0.25f;  // Weight of a neighbour against that of a full node.
+constexpr float kFlatness = 0.02f;    // Weight of the plane.
 constexpr int kIterations = 12;
 constexpr float kFirstMargin = 0.15f;  // [m], plus kFirstSlope of the range: so far above the plane may ground be.
 constexpr float kFirstSlope = 0.06f;
-constexpr float kLastMargin = 0.12f;  // [m], over the neighbours.
+constexpr float kLastMargin = 0.08f;  // [m], over the neighbours.
+constexpr float kLastSlope = 0.01f;
 constexpr float kGroundBand = 0.07f;  // [m], plus kGroundGrowth of the range.
 constexpr float kGroundGrowth = 0.004f;
 constexpr float kMinSampleRange = 0.5f;  // [m]
@@ -34,7 +36,14 @@ GroundModel::GroundModel()
     : nodes_(kNodes * kNodes),
       heights_(kNodes * kNodes),
       returns_(kNodes * kNodes),
-      sums_(kSampleCells * kSampleCells) {}
+      sums_(kSampleCells * kSampleCells) {
+  for (int y = 0; y < kNodes; ++y) {
+    for (int x = 0; x < kNodes; ++x) {
+      node_ranges_.push_back(kNodeSpacing *
+                             std::hypot(static_cast<float>(x - kNodes / 2), static_cast<float>(y - kNodes / 2)));
+    }
+  }
+}
 
 void GroundModel::Build(const std::vector<Eigen::Vector3f>& lowest_returns, const GroundFit& fit) {
   rotation_ = LevelRotation(fit.normal);
@@ -72,10 +81,8 @@ void GroundModel::Build(const std::vector<Eigen::Vector3f>& lowest_returns, cons
         const float around = sum / count;
         float weight = nodes_[i].weight;
         if (weight > 0.0f) {
-          const float range =
-              kNodeSpacing * std::hypot(static_cast<float>(x - kNodes / 2), static_cast<float>(y - kNodes / 2));
-          const float limit =
-              iteration < kIterations / 2 ? kFirstMargin + kFirstSlope * range : around + kLastMargin + 0.01f * range;
+          const float limit = iteration < kIterations / 2 ? kFirstMargin + kFirstSlope * node_ranges_[i]
+                                                          : around + kLastMargin + kLastSlope * node_ranges_[i];
           if (nodes_[i].low > limit) weight = 0.0f;
         }
         heights_[i] = (weight * nodes_[i].low + kSmoothness * sum) / (weight + kSmoothness * count + kFlatness);
@@ -84,36 +91,83 @@ void GroundModel::Build(const std::vector<Eigen::Vector3f>& lowest_returns, cons
   }
 }
 
-float GroundModel::HeightAt(float x, float y) const {
+float GroundModel::ToNodes(float coordinate) {
   constexpr float kLast = static_cast<float>(kNodes - 1) - 1e-3f;
-  const float u = std::min(std::max((x + kReach) * (1.0f / kNodeSpacing), 0.0f), kLast);
-  const float v = std::min(std::max((y + kReach) * (1.0f / kNodeSpacing), 0.0f), kLast);
-  const auto column = static_cast<int>(u);
-  const auto row = static_cast<int>(v);
-  const float right = u - static_cast<float>(column);
-  const float upper = v - static_cast<float>(row);
-  const float* const node = &heights_[static_cast<size_t>(row * kNodes + column)];
-  const float low = node[0] + right * (node[1] - node[0]);
-  const float high = node[kNodes] + right * (node[kNodes + 1] - node[kNodes]);
-  return low + upper * (high - low);
+  return std::min(std::max((coordinate + kReach) * (1.0f / kNodeSpacing), 0.0f), kLast);
+}
+
+float GroundModel::Interpolate(const float* node, float u, float v) {
+  const float low = node[0] + u * (node[1] - node[0]);
+  const float high = node[kNodes] + u * (node[kNodes + 1] - node[kNodes]);
+  return low + v * (high - low);
+}
+
+float GroundModel::HeightAt(float x, float y) const {
+  const float u = ToNodes(x);
+  const float v = ToNodes(y);
+  const int column = static_cast<int>(u);
+  const int row = static_cast<int>(v);
+  return Interpolate(&heights_[static_cast<size_t>(row * kNodes + column)], u - static_cast<float>(column),
+                     v - static_cast<float>(row));
 }
 
 void GroundModel::Measure(const std::vector<Eigen::Vector3f>& points, std::vector<float>* heights) {
   heights->resize(points.size());
   std::fill(sums_.begin(), sums_.end(), Eigen::Vector4f::Zero());
-  for (size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3f p = rotation_ * points[i];
-    const float height = p.z() + lidar_height_ - HeightAt(p.x(), p.y());
-    (*heights)[i] = height;
-    if (height > 0.2f || std::abs(p.x()) >= kReach || std::abs(p.y()) >= kReach) continue;
-    const float range_squared = p.x() * p.x() + p.y() * p.y();
-    if (range_squared < kMinSampleRange * kMinSampleRange) continue;
-    if (std::abs(height) > kGroundBand + kGroundGrowth * std::sqrt(range_squared)) continue;
-    const auto x = static_cast<int>(p.x() + kReach);
-    const auto y = static_cast<int>(p.y() + kReach);
-    Eigen::Vector4f& sum = sums_[static_cast<size_t>(y * kSampleCells + x)];
-    sum.head<3>() += points[i];
-    sum.w() += 1.0f;
+  // In blocks: first what the compiler can vectorise.
+  constexpr size_t kBlock = 64;
+  std::array<float, kBlock> x;
+  std::array<float, kBlock> y;
+  std::array<float, kBlock> z;
+  std::array<float, kBlock> u;
+  std::array<float, kBlock> v;
+  std::array<float, kBlock> above_band;
+  std::array<int, kBlock> node_of;
+  const Eigen::Matrix3f r = rotation_;
+  for (size_t begin = 0; begin < points.size(); begin += kBlock) {
+    const size_t size = std::min(kBlock, points.size() - begin);
+    for (size_t i = 0; i < size; ++i) {
+      const Eigen::Vector3f& p = points[begin + i];
+      x[i] = p.x();
+      y[i] = p.y();
+      z[i] = p.z();
+    }
+    for (size_t i = 0; i < size; ++i) {
+      const float level_x = r(0, 0) * x[i] + r(0, 1) * y[i] + r(0, 2) * z[i];
+      const float level_y = r(1, 0) * x[i] + r(1, 1) * y[i] + r(1, 2) * z[i];
+      z[i] = r(2, 0) * x[i] + r(2, 1) * y[i] + r(2, 2) * z[i] + lidar_height_;
+      x[i] = level_x;
+      y[i] = level_y;
+      u[i] = ToNodes(level_x);
+      v[i] = ToNodes(level_y);
+      const int column = static_cast<int>(u[i]);
+      const int row = static_cast<int>(v[i]);
+      u[i] -= static_cast<float>(column);
+      v[i] -= static_cast<float>(row);
+      node_of[i] = row * kNodes + column;
+    }
+    float* const height = heights->data() + begin;
+    for (size_t i = 0; i < size; ++i) {
+      height[i] = z[i] - Interpolate(&heights_[static_cast<size_t>(node_of[i])], u[i], v[i]);
+    }
+    for (size_t i = 0; i < size; ++i) {
+      const float range_squared = x[i] * x[i] + y[i] * y[i];
+      const float abs_x = std::abs(x[i]);
+      const float abs_y = std::abs(y[i]);
+      const float farther = abs_x > abs_y ? abs_x : abs_y;
+      const float band = kGroundBand + kGroundGrowth * std::sqrt(range_squared);
+      float above = std::abs(height[i]) - band;
+      above = farther < kReach ? above : 1.0f;
+      above_band[i] = range_squared >= kMinSampleRange * kMinSampleRange ? above : 1.0f;
+    }
+    for (size_t i = 0; i < size; ++i) {
+      if (above_band[i] > 0.0f) continue;
+      const auto column = static_cast<size_t>(x[i] + kReach);
+      const auto row = static_cast<size_t>(y[i] + kReach);
+      Eigen::Vector4f& sum = sums_[row * kSampleCells + column];
+      const Eigen::Vector3f& p = points[begin + i];
+      sum += Eigen::Vector4f(p.x(), p.y(), p.z(), 1.0f);
+    }
   }
   samples_.clear();
   for (const Eigen::Vector4f& sum : sums_) {

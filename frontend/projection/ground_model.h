@@ -45,9 +45,15 @@ class GroundModel {
     float weight = 0.0f;  // 0: no returns.
   };
 
+  // Where a coordinate lies between the nodes [nodes], held within the grid.
+  static float ToNodes(float coordinate);
+  // Bilinear, `u` and `v` being the shares of the way from `node` to its neighbours.
+  static float Interpolate(const float* node, float u, float v);
+
   Eigen::Matrix3f rotation_ = Eigen::Matrix3f::Identity();
   float lidar_height_ = 0.0f;
   std::vector<Node> nodes_;
+  std::vector<float> node_ranges_;           // [m], from the lidar.
   std::vector<float> heights_;               // [m], of the nodes.
   std::vector<std::vector<float>> returns_;  // Heights [m] of the lowest returns around each node.
   std::vector<Eigen::Vector4f> sums_;        // Of the ground returns of each sample cell, and their number.

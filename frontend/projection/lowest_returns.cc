@@ -3,6 +3,7 @@
 #include <glog/logging.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -21,15 +22,39 @@ const std::vector<Eigen::Vector3f>& LowestReturns::Find(const std::vector<Eigen:
                                                         const Eigen::Vector3f& up) {
   constexpr float kNone = std::numeric_limits<float>::infinity();
   std::fill(cells_.begin(), cells_.end(), Cell{kNone, 0});
-  for (size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3f& p = points[i];
-    if (!(std::abs(p.x()) < max_range_ && std::abs(p.y()) < max_range_)) continue;
-    if (p.x() * p.x() + p.y() * p.y() < min_range_squared_) continue;
-    const int x = static_cast<int>((p.x() + max_range_) * inverse_cell_size_);
-    const int y = static_cast<int>((p.y() + max_range_) * inverse_cell_size_);
-    Cell& cell = cells_[static_cast<size_t>(y * width_ + x)];
-    const float height = up.dot(p);
-    if (height < cell.height) cell = {height, static_cast<uint32_t>(i)};
+  // In blocks: cells and heights first, which the compiler can vectorise, then the comparisons.
+  constexpr size_t kBlock = 64;
+  std::array<float, kBlock> x;
+  std::array<float, kBlock> y;
+  std::array<float, kBlock> height;
+  std::array<int, kBlock> cell_of;
+  const float up_x = up.x(), up_y = up.y(), up_z = up.z();
+  for (size_t begin = 0; begin < points.size(); begin += kBlock) {
+    const size_t size = std::min(kBlock, points.size() - begin);
+    for (size_t i = 0; i < size; ++i) {
+      const Eigen::Vector3f& p = points[begin + i];
+      x[i] = p.x();
+      y[i] = p.y();
+      height[i] = p.z();
+    }
+    for (size_t i = 0; i < size; ++i) {
+      height[i] = up_x * x[i] + up_y * y[i] + up_z * height[i];
+      const float range_squared = x[i] * x[i] + y[i] * y[i];
+      const float abs_x = std::abs(x[i]);
+      const float abs_y = std::abs(y[i]);
+      const float farther = abs_x > abs_y ? abs_x : abs_y;
+      // What is not wanted goes to the cell at the centre, but never wins there.
+      const float inside = farther < max_range_ ? 1.0f : 0.0f;
+      height[i] = inside > 0.0f ? height[i] : kNone;
+      height[i] = range_squared >= min_range_squared_ ? height[i] : kNone;
+      const int column = static_cast<int>((inside * x[i] + max_range_) * inverse_cell_size_);
+      const int row = static_cast<int>((inside * y[i] + max_range_) * inverse_cell_size_);
+      cell_of[i] = row * width_ + column;
+    }
+    for (size_t i = 0; i < size; ++i) {
+      Cell& cell = cells_[static_cast<size_t>(cell_of[i])];
+      if (height[i] < cell.height) cell = {height[i], static_cast<uint32_t>(begin + i)};
+    }
   }
   returns_.clear();
   for (const Cell& cell : cells_) {

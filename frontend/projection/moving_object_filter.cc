@@ -113,6 +113,13 @@ class CellGrid {
     });
   }
 
+  // Whether there are points at the place [m, base frame] or in the cells next to it.
+  bool IsOccupiedAround(const Eigen::Vector2d& place) const {
+    bool is_occupied = false;
+    VisitAround(ToLattice(place.x()), ToLattice(place.y()), 1, [&](size_t) { is_occupied = true; });
+    return is_occupied;
+  }
+
   // The connected cells among those that `belongs(cell)`, as indices.
   template <class Belongs>
   std::vector<std::vector<size_t>> Components(Belongs&& belongs) const {
@@ -186,7 +193,7 @@ class MovingObjectFilter::Comparison {
     for (Cell& cell : grid_.cells()) Vote(&cell);
   }
 
-  std::vector<MovingObject> Find() const {
+  std::vector<MovingObject> Find() {
     std::vector<MovingObject> moving;
     size_t num_moving_points = 0;
     // A thing is what hangs together without what stands: someone may pass close by a trunk.
@@ -232,7 +239,7 @@ class MovingObjectFilter::Comparison {
   bool Stands(const Cell& cell) const { return !IsFree(cell.free_votes, cell.standing_votes); }
 
   // What the cells of `thing` show, if it moves.
-  std::optional<MovingObject> JudgeThing(const std::vector<size_t>& thing) const {
+  std::optional<MovingObject> JudgeThing(const std::vector<size_t>& thing) {
     double num_points = 0.0;
     Eigen::Vector2d center = Eigen::Vector2d::Zero();
     double free_votes = 0.0;
@@ -263,7 +270,7 @@ class MovingObjectFilter::Comparison {
     for (size_t k = 0; k < filter_.references_.size(); ++k) hidden_votes += Weight(k) * hidden[k];
     if (!IsFree(free_votes + hidden_votes, standing_votes)) return std::nullopt;
     for (size_t k = 0; k < filter_.references_.size(); ++k) {
-      const LeftPlaces left = CountLeftPlaces(k, center);
+      const LeftPlaces left = CountLeftPlaces(k, center, radius);
       has_left_a_place = has_left_a_place || left.num_near >= kMinLeftPlaces;
       if (left.num_beside < kMinLeftPlaces) continue;
       // Someone who walks ahead of the robot hides the places that he comes to.
@@ -294,27 +301,57 @@ class MovingObjectFilter::Comparison {
     return votes;
   }
 
+  // An occupied place of a reference where nothing is seen to stand now.
+  struct FormerPlace {
+    Eigen::Vector2d then;  // [m, base frame of the reference].
+    Eigen::Vector2d now;   // [m, base frame].
+    bool is_free;          // Else it is hidden.
+  };
+  const std::vector<FormerPlace>& FormerPlaces(size_t k) {
+    // Only few scans have something in them that makes these worth knowing.
+    if (!former_places_[k]) {
+      former_places_[k].emplace();
+      const SE2 T_base_reference = T_reference_base_[k].Inverse();
+      for (const Eigen::Vector2d& then : filter_.references_[k].near_places) {
+        const Eigen::Vector2d now = T_base_reference * then;
+        const Sight sight = Look(first_returns_, now);
+        if (sight == Sight::kFree || sight == Sight::kHidden) {
+          former_places_[k]->push_back({then, now, sight == Sight::kFree});
+        }
+      }
+    }
+    return *former_places_[k];
+  }
+
   // Occupied places of a reference that are free now.
   struct LeftPlaces {
     int num_near = 0;    // Near where the thing is now.
     int num_beside = 0;  // Where the thing is now as the robot, which has moved, sees it.
   };
-  LeftPlaces CountLeftPlaces(size_t k, const Eigen::Vector2d& center) const {
-    const Reference& reference = filter_.references_[k];
-    const SE2 T_base_reference = T_reference_base_[k].Inverse();
-    const double reach = std::min(kMoverWidth + kMaxSpeed * std::abs(scan_.stamp - reference.stamp), kMaxReach);
-    const bool has_robot_moved = T_base_reference.translation().norm() >= kCompanionPath;
+  LeftPlaces CountLeftPlaces(size_t k, const Eigen::Vector2d& center, double radius) {
+    const double age = std::abs(scan_.stamp - filter_.references_[k].stamp);
+    const double reach = std::min(kMoverWidth + kMaxSpeed * age, kMaxReach);
+    const bool has_robot_moved = T_reference_base_[k].translation().norm() >= kCompanionPath;
     LeftPlaces left;
-    for (const Eigen::Vector2d& then : reference.near_places) {
-      const Eigen::Vector2d place = T_base_reference * then;
-      const bool is_near = (place - center).squaredNorm() <= reach * reach;
-      const bool is_beside = has_robot_moved && (then - center).squaredNorm() <= kCompanionSway * kCompanionSway;
-      if (!is_near && !is_beside) continue;
-      if (Look(first_returns_, place) != Sight::kFree) continue;
-      if (is_near) ++left.num_near;
-      if (is_beside) ++left.num_beside;
+    for (const FormerPlace& place : FormerPlaces(k)) {
+      const bool is_near = (place.now - center).squaredNorm() <= reach * reach;
+      const bool is_beside = has_robot_moved && (place.then - center).squaredNorm() <= kCompanionSway * kCompanionSway;
+      if (place.is_free) {
+        if (is_near) ++left.num_near;
+        if (is_beside) ++left.num_beside;
+      } else if (is_near && IsHiddenBy(center, radius, place.now)) {
+        // Who walks towards the robot hides where he was before.
+        ++left.num_near;
+      }
     }
     return left;
+  }
+
+  // Whether `place`, without points of its own, lies behind a thing, as seen from the robot.
+  bool IsHiddenBy(const Eigen::Vector2d& center, double radius, const Eigen::Vector2d& place) const {
+    if (place.norm() > options_.range || place.norm() <= center.norm() || place.dot(center) <= 0.0) return false;
+    const double beside = std::abs(place.x() * center.y() - place.y() * center.x()) / center.norm();
+    return beside <= radius && !grid_.IsOccupiedAround(place);
   }
 
   const MovingObjectFilter& filter_;
@@ -322,7 +359,8 @@ class MovingObjectFilter::Comparison {
   const PlanarScan& scan_;
   FirstReturns first_returns_;
   std::vector<SE2> T_reference_base_;
-  double all_votes_ = 0.0;  // That a point can get.
+  std::array<std::optional<std::vector<FormerPlace>>, kNumReferences> former_places_;  // Once they are asked for.
+  double all_votes_ = 0.0;                                                             // That a point can get.
   CellGrid grid_;
 };
 
@@ -354,12 +392,18 @@ PlanarScan WithoutMovingObjects(const PlanarScan& scan, const std::vector<Moving
   for (const MovingObject& object : objects) {
     for (const size_t i : object.points) is_moving[i] = true;
   }
-  PlanarScan rest;
-  rest.stamp = scan.stamp;
-  rest.free_ends = scan.free_ends;
+  PlanarScan rest = scan;
+  rest.points.clear();
+  rest.weights.clear();
+  rest.phases.clear();
   for (size_t i = 0; i < scan.points.size(); ++i) {
-    (is_moving[i] ? rest.free_ends : rest.points).push_back(scan.points[i]);
-    if (!is_moving[i] && !scan.phases.empty()) rest.phases.push_back(scan.phases[i]);
+    if (is_moving[i]) {
+      if (scan.point_rays_are_free) rest.free_ends.push_back(scan.points[i]);
+      continue;
+    }
+    rest.points.push_back(scan.points[i]);
+    if (!scan.weights.empty()) rest.weights.push_back(scan.weights[i]);
+    if (!scan.phases.empty()) rest.phases.push_back(scan.phases[i]);
   }
   return rest;
 }

@@ -18,13 +18,13 @@ struct MovingObjectOptions {
   bool enabled = true;        ///< Whether moving things are looked for at all.
   double range = 5.0;         ///< [m], how near a thing must be to be judged: only there a sweep leaves few gaps.
   double history = 4.0;       ///< [s], how far back the sweeps lie that a sweep is compared with.
-  double max_size = 1.2;      ///< [m], across; larger things are walls, hedges and crowns.
+  double max_size = 2.5;      ///< [m], across: two people abreast; larger things are walls, hedges and crowns.
   double range_margin = 0.2;  ///< [m], by how much a ray must have passed a place to call it free.
   double side_margin = 0.12;  ///< [m], how far beside a ray a return still ends it: trunks' edges, errors of the pose.
   double min_free_share = 0.6;  ///< Of the votes on a thing, those that must say that its place was free.
   double body_radius = 0.25;    ///< [m], the robot's own path is free this far to either side; 0: is not used.
-  double max_share =
-      0.5;  ///< Of the scan's points, and of the things near by: when more seem to move, it is the robot.
+  /// Of the scan's points, and of the things near by: when more of them seem to move, it is the pose that is wrong.
+  double max_share = 0.5;
 
   std::string Validate() const;
 
@@ -81,7 +81,7 @@ class MovingObjectFilter {
   std::deque<Eigen::Vector2d> path_;  // [m, odom], places of the robot, the oldest first.
 };
 
-/// `scan` without the points of `objects`. Their rays are free up to them and become `free_ends`.
+/// `scan` without the points of `objects`. Where rays to points are free, theirs remain so and become `free_ends`.
 PlanarScan WithoutMovingObjects(const PlanarScan& scan, const std::vector<MovingObject>& objects);
 
 }  // namespace arborslam

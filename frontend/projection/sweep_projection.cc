@@ -1,6 +1,7 @@
 #include "frontend/projection/sweep_projection.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <functional>
@@ -14,18 +15,26 @@ namespace arborslam {
 namespace {
 
 constexpr double kLn2 = 0.69314718055994531;
+constexpr float kPiF = 3.14159265f;
 constexpr size_t kSectors = 720;
+constexpr float kInverseSector = static_cast<float>(kSectors) / (2.0f * kPiF);
 constexpr int kRangeSteps = 64;
-constexpr float kLowObject = 0.4f;    // [m], the lowest thing that is mapped.
-constexpr float kBlindRange = 2.5f;   // [m], from here on at the latest must the ground be in sight.
-constexpr float kFreeMargin = 0.15f;  // [m], before a planar point.
-constexpr size_t kLayers = 8;
+constexpr float kLowObject = 0.4f;       // [m], the lowest thing that is mapped by a lidar close to the ground,
+constexpr float kLowObjectShare = 0.5f;  // and, as a share of its height, by one far above it.
+constexpr float kBlindRange = 3.0f;      // [m], from here on at the latest must the ground be in sight.
+constexpr float kFreeMargin = 0.15f;     // [m], before something solid.
+constexpr size_t kMostLayers = 8;
 constexpr float kLayerHeight = 0.5f;      // [m], how far over one another returns are looked at together.
 constexpr float kRangeTolerance = 0.05f;  // [m], between returns from a solid thing, plus a column's width.
-constexpr float kMinSolidity = 0.4f;
-constexpr size_t kMinPoints = 200;
-constexpr size_t kMaxPoints = 1000;
-constexpr float kPiF = 3.14159265f;
+constexpr float kHalfWidth = 0.03f;       // [m], how far to the sides returns are compared, at least one column,
+constexpr int kMostColumns = 3;           // at most this many.
+constexpr float kMinSolidity = 0.45f;
+constexpr size_t kMinClusters = 50;  // Less solid ones are kept up to this number.
+constexpr size_t kMaxClusters = 1000;
+
+size_t SectorOf(float bearing) {
+  return std::min(kSectors - 1, static_cast<size_t>((bearing + kPiF) * kInverseSector));
+}
 
 }  // namespace
 
@@ -61,90 +70,126 @@ double MinHeightLikelihood(double mean_canopy_height) { return 0.5 * kLn2 / mean
 
 SweepProjection::SweepProjection(const SweepProjectionOptions& options) : options_(options) {}
 
-float SweepProjection::Solidity(const Cluster& cluster, size_t num_columns, float tolerance) const {
-  // Of the bins of the columns before, of this and after it: returns, and those at the cluster's range.
-  float all[3] = {0.0f, 0.0f, 0.0f};
-  float near[3] = {0.0f, 0.0f, 0.0f};
-  const size_t column = cluster.bin % num_columns;
-  for (size_t k = 0; k < 3; ++k) {
-    if ((k == 0 && column == 0) || (k == 2 && column + 1 == num_columns)) continue;
-    const size_t bin = cluster.bin + k - 1;
-    for (size_t i = bin == 0 ? 0 : bin_ends_[bin - 1]; i < bin_ends_[bin]; ++i) {
-      all[k] += 1.0f;
-      near[k] += std::abs(sorted_[i].range - cluster.range) <= tolerance ? 1.0f : 0.0f;
-    }
+PlanarScan SweepProjection::Project(const Input& input, const Eigen::Matrix3f& R_base_lidar) {
+  Select(input, R_base_lidar);
+  MakeClusters();
+  FindSolid(input.column_width);
+  MakePoints();
+
+  PlanarScan scan;
+  scan.point_rays_are_free = false;
+  scan.points.reserve(points_.size());
+  scan.weights.reserve(points_.size());
+  const bool has_phases = input.phases != nullptr && !input.phases->empty();
+  if (has_phases) scan.phases.reserve(points_.size());
+  for (const Point& point : points_) {
+    scan.points.push_back(point.sum / point.weight);
+    scan.weights.push_back(point.weight);
+    if (has_phases) scan.phases.push_back(point.phase);
   }
-  const auto score = [](float n, float of) { return (n - 1.0f) / (of + 1.0f); };
-  return std::max({score(near[1], all[1]), score(near[0] + near[1], all[0] + all[1]),
-                   score(near[1] + near[2], all[1] + all[2]),
-                   score(near[0] + near[1] + near[2], all[0] + all[1] + all[2])});
+  AddFreeRays(&scan);
+  return scan;
 }
 
-PlanarScan SweepProjection::Project(const Input& input, const Eigen::Matrix3f& R_base_lidar) {
+void SweepProjection::Select(const Input& input, const Eigen::Matrix3f& R_base_lidar) {
   const std::vector<Eigen::Vector3f>& points = *input.points;
   const std::vector<float>& heights = *input.heights;
-  const bool has_phases = !input.phases->empty();
-  const auto min_range_squared = static_cast<float>(options_.min_range * options_.min_range);
+  const bool has_phases = input.phases != nullptr && !input.phases->empty();
+  const auto min_range = static_cast<float>(options_.min_range);
   const auto max_range = static_cast<float>(options_.max_range);
   const auto max_bearing = static_cast<float>(options_.max_bearing);
   const auto ground_margin = static_cast<float>(options_.ground_margin);
   const auto ground_growth = static_cast<float>(options_.ground_growth);
-  const auto num_columns = static_cast<size_t>(std::ceil(2.0f * kPiF / input.column_width)) + 1;
+  const float most_height = input.mean_canopy_height;
   const float inverse_width = 1.0f / input.column_width;
-  constexpr float kInverseSector = static_cast<float>(kSectors) / (2.0f * kPiF);
   const float inverse_step = kRangeSteps / max_range;
-  const Eigen::Matrix<float, 2, 3> to_plane = R_base_lidar.topRows<2>();
-  const float over_object = input.lidar_height - kLowObject;
+  const float low_object = std::max(kLowObject, kLowObjectShare * input.lidar_height);
+  const float over_object = std::max(0.0f, input.lidar_height - low_object);
 
+  num_columns_ = static_cast<size_t>(std::ceil(2.0f * kPiF * inverse_width)) + 1;
+  const size_t num_layers = std::min(kMostLayers, static_cast<size_t>(std::max(0.0f, most_height) / kLayerHeight) + 1);
   kept_.clear();
+  bin_ends_.assign(num_layers * num_columns_ + 1, 0);
   seen_.assign(kSectors, 0);
-  nearest_.assign(kSectors, std::numeric_limits<float>::infinity());
-  bin_ends_.assign(kLayers * num_columns + 1, 0);
-  for (size_t i = 0; i < points.size(); ++i) {
-    const float height = heights[i];
-    // Eq. 6 for the upper end: see MinHeightLikelihood.
-    if (!(height <= input.mean_canopy_height)) continue;
-    const Eigen::Vector2f p = to_plane * points[i];
-    const float range_squared = p.squaredNorm();
-    if (!(range_squared >= min_range_squared)) continue;
-    const float range = std::sqrt(range_squared);
-    const float bearing = FastAtan2(p.y(), p.x());
-    if (std::abs(bearing) > max_bearing) continue;
-    const auto sector = std::min(kSectors - 1, static_cast<size_t>((bearing + kPiF) * kInverseSector));
-    // The beam came down from the lidar in a straight line: from `low_from` on it was low enough to meet the lowest
-    // object.
-    if (height < kLowObject) {
-      const float low_from = over_object > 0.0f ? range * over_object / (input.lidar_height - height) : 0.0f;
-      const int from = static_cast<int>(low_from * inverse_step + 0.5f);
-      const int to = std::min(kRangeSteps, static_cast<int>(range * inverse_step + 0.5f));
-      if (from < to) {
-        const uint64_t up_to = to == kRangeSteps ? ~uint64_t{0} : (uint64_t{1} << to) - 1;
-        seen_[sector] |= up_to & ~((uint64_t{1} << from) - 1);
-      }
-    }
-    if (height < ground_margin + ground_growth * range || range > max_range) continue;
-    const auto column = static_cast<size_t>((bearing + kPiF) * inverse_width);
-    const auto layer = std::min(kLayers - 1, static_cast<size_t>(height * (1.0f / kLayerHeight)));
-    const auto bin = static_cast<uint32_t>(layer * num_columns + column);
-    ++bin_ends_[bin + 1];
-    kept_.push_back({p.x(), p.y(), range, has_phases ? (*input.phases)[i] : 0.0f, bin});
-  }
+  first_.assign(kSectors, std::numeric_limits<float>::infinity());
 
-  // Returns by bin, then by range; then bin_ends_[b] is where bin b ends.
+  // In blocks of what lies low enough: first what the compiler can vectorise.
+  constexpr size_t kBlock = 64;
+  std::array<float, kBlock> x;
+  std::array<float, kBlock> y;
+  std::array<float, kBlock> z;
+  std::array<float, kBlock> height;
+  std::array<float, kBlock> phase;
+  std::array<float, kBlock> range;
+  std::array<float, kBlock> bearing;
+  std::array<float, kBlock> low_from;
+  const Eigen::Matrix3f r = R_base_lidar;
+  for (size_t next = 0; next < points.size();) {
+    size_t size = 0;
+    for (; next < points.size() && size < kBlock; ++next) {
+      x[size] = points[next].x();
+      y[size] = points[next].y();
+      z[size] = points[next].z();
+      height[size] = heights[next];
+      phase[size] = has_phases ? (*input.phases)[next] : 0.0f;
+      // Eq. 6: see MinHeightLikelihood.
+      size += heights[next] <= most_height ? 1 : 0;
+    }
+    for (size_t i = 0; i < size; ++i) {
+      const float base_x = r(0, 0) * x[i] + r(0, 1) * y[i] + r(0, 2) * z[i];
+      const float base_y = r(1, 0) * x[i] + r(1, 1) * y[i] + r(1, 2) * z[i];
+      x[i] = base_x;
+      y[i] = base_y;
+      range[i] = std::sqrt(base_x * base_x + base_y * base_y);
+      bearing[i] = FastAtan2(base_y, base_x);
+      // The beam came down from the lidar in a straight line: from here on it was low enough to meet the lowest object.
+      low_from[i] = range[i] * over_object / (over_object + low_object - height[i]);
+    }
+    for (size_t i = 0; i < size; ++i) {
+      if (!(range[i] >= min_range) || std::abs(bearing[i]) > max_bearing) continue;
+      if (height[i] < low_object) {
+        const int from = static_cast<int>(low_from[i] * inverse_step + 0.5f);
+        const int to = static_cast<int>(std::min(range[i] * inverse_step + 0.5f, static_cast<float>(kRangeSteps)));
+        if (from < to) {
+          const uint64_t up_to = to == kRangeSteps ? ~uint64_t{0} : (uint64_t{1} << to) - 1;
+          seen_[SectorOf(bearing[i])] |= up_to & ~((uint64_t{1} << from) - 1);
+        }
+      }
+      if (height[i] < ground_margin + ground_growth * range[i] || range[i] > max_range) continue;
+      float& first = first_[SectorOf(bearing[i])];
+      first = std::min(first, range[i]);
+      const auto column = static_cast<size_t>((bearing[i] + kPiF) * inverse_width);
+      const auto layer = std::min(num_layers - 1, static_cast<size_t>(std::max(0.0f, height[i]) / kLayerHeight));
+      const auto bin = static_cast<uint32_t>(layer * num_columns_ + column);
+      ++bin_ends_[bin + 1];
+      kept_.push_back({x[i], y[i], range[i], phase[i], bin});
+    }
+  }
+}
+
+void SweepProjection::MakeClusters() {
+  // After this, bin_ends_[b] is where bin b begins; after filling it, where it ends.
   for (size_t b = 1; b < bin_ends_.size(); ++b) bin_ends_[b] += bin_ends_[b - 1];
   sorted_.resize(kept_.size());
   for (const Return& r : kept_) sorted_[bin_ends_[r.bin]++] = r;
+  ranges_.resize(sorted_.size());
   const auto depth = static_cast<float>(options_.column_depth);
   clusters_.clear();
   for (uint32_t begin = 0; begin < sorted_.size();) {
     const uint32_t bin = sorted_[begin].bin;
     const uint32_t end = bin_ends_[bin];
-    std::sort(sorted_.begin() + begin, sorted_.begin() + end,
-              [](const Return& a, const Return& b) { return a.range < b.range; });
+    // By insertion: a bin has a few returns.
+    for (uint32_t i = begin + 1; i < end; ++i) {
+      const Return moved = sorted_[i];
+      uint32_t to = i;
+      for (; to > begin && sorted_[to - 1].range > moved.range; --to) sorted_[to] = sorted_[to - 1];
+      sorted_[to] = moved;
+    }
     while (begin < end) {
       Cluster cluster{Eigen::Vector2f::Zero(), 0.0f, 0.0f, sorted_[begin].phase, 0.0f, bin};
       const float first_range = sorted_[begin].range;
       for (; begin < end && sorted_[begin].range <= first_range + depth; ++begin) {
+        ranges_[begin] = sorted_[begin].range;
         cluster.sum += Eigen::Vector2f(sorted_[begin].x, sorted_[begin].y);
         cluster.range += sorted_[begin].range;
         cluster.weight += 1.0f;
@@ -153,28 +198,86 @@ PlanarScan SweepProjection::Project(const Input& input, const Eigen::Matrix3f& R
       clusters_.push_back(cluster);
     }
   }
-  solidities_.clear();
-  for (Cluster& cluster : clusters_) {
-    cluster.solidity = Solidity(cluster, num_columns, kRangeTolerance + input.column_width * cluster.range);
-    solidities_.push_back(cluster.solidity);
+}
+
+float SweepProjection::Solidity(const Cluster& cluster, float column_width) const {
+  const float tolerance = kRangeTolerance + column_width * cluster.range;
+  const auto column = static_cast<int>(cluster.bin % num_columns_);
+  const int side = std::clamp(static_cast<int>(kHalfWidth / (cluster.range * column_width)), 1, kMostColumns);
+  const auto left = static_cast<size_t>(static_cast<int>(cluster.bin) - std::min(side, column));
+  const auto right =
+      static_cast<size_t>(static_cast<int>(cluster.bin) + std::min(side, static_cast<int>(num_columns_) - 1 - column));
+  // The bins of a layer follow one another: those to the left, the cluster's own, those to the right.
+  const size_t ends[4] = {left == 0 ? 0 : bin_ends_[left - 1], cluster.bin == 0 ? 0 : bin_ends_[cluster.bin - 1],
+                          bin_ends_[cluster.bin], bin_ends_[right]};
+  float all[3];
+  float near[3];
+  for (size_t part = 0; part < 3; ++part) {
+    int count = 0;
+    for (size_t i = ends[part]; i < ends[part + 1]; ++i) {
+      count += std::abs(ranges_[i] - cluster.range) <= tolerance ? 1 : 0;
+    }
+    near[part] = static_cast<float>(count);
+    all[part] = static_cast<float>(ends[part + 1] - ends[part]);
   }
-  float least = kMinSolidity;
+  // Seen at the edge of a trunk, only one of the sides is solid.
+  const auto score = [](float n, float m) { return (n - 1.0f) / (m + 1.0f); };
+  return std::max({score(near[1], all[1]), score(near[0] + near[1], all[0] + all[1]),
+                   score(near[1] + near[2], all[1] + all[2]),
+                   score(near[0] + near[1] + near[2], all[0] + all[1] + all[2])});
+}
+
+void SweepProjection::FindSolid(float column_width) {
+  solidities_.resize(clusters_.size());
+  size_t num_solid = 0;
+  for (size_t i = 0; i < clusters_.size(); ++i) {
+    solidities_[i] = clusters_[i].solidity = Solidity(clusters_[i], column_width);
+    num_solid += solidities_[i] >= kMinSolidity ? 1 : 0;
+  }
   const auto nth_highest = [this](size_t n) {
     const auto nth = solidities_.begin() + static_cast<ptrdiff_t>(n);
     std::nth_element(solidities_.begin(), nth, solidities_.end(), std::greater<float>());
     return *nth;
   };
-  if (solidities_.size() > kMaxPoints) least = std::max(least, nth_highest(kMaxPoints));
-  least = std::min(least, solidities_.size() > kMinPoints ? nth_highest(kMinPoints) : -1.0f);
+  float least = kMinSolidity;
+  if (num_solid > kMaxClusters) least = nth_highest(kMaxClusters);
+  if (num_solid < kMinClusters) least = clusters_.size() > kMinClusters ? nth_highest(kMinClusters) : 0.0f;
+
+  KeepEdges(column_width, least);
+
   solid_.clear();
+  nearest_.assign(kSectors, std::numeric_limits<float>::infinity());
+  const float inverse_width = static_cast<float>(kSectors) / (2.0f * kPiF / column_width);
   for (Cluster& cluster : clusters_) {
-    if (cluster.solidity < least) continue;
-    cluster.bin %= static_cast<uint32_t>(num_columns);
-    solid_.push_back(cluster);
+    if (cluster.solidity <= 0.0f && least > 0.0f) continue;
+    cluster.bin %= static_cast<uint32_t>(num_columns_);
+    const auto sector =
+        std::min(kSectors - 1, static_cast<size_t>((static_cast<float>(cluster.bin) + 0.5f) * inverse_width));
+    nearest_[sector] = std::min(nearest_[sector], cluster.range);
+    if (cluster.solidity >= least) solid_.push_back(cluster);
   }
   std::sort(solid_.begin(), solid_.end(),
             [](const Cluster& a, const Cluster& b) { return a.bin != b.bin ? a.bin < b.bin : a.range < b.range; });
+}
 
+void SweepProjection::KeepEdges(float column_width, float least) {
+  edges_.clear();
+  for (size_t i = 0; i < clusters_.size(); ++i) {
+    const Cluster& solid = clusters_[i];
+    if (solid.solidity < least) continue;
+    const float tolerance = kRangeTolerance + column_width * solid.range;
+    const auto keep = [&](size_t k) {
+      if (clusters_[k].solidity < least && std::abs(clusters_[k].range - solid.range) <= tolerance) edges_.push_back(k);
+    };
+    // The bins of a layer follow one another.
+    for (size_t k = i; k-- > 0 && clusters_[k].bin + 1 >= solid.bin;) keep(k);
+    for (size_t k = i + 1; k < clusters_.size() && clusters_[k].bin <= solid.bin + 1; ++k) keep(k);
+  }
+  for (const size_t k : edges_) clusters_[k].solidity = least;
+}
+
+void SweepProjection::MakePoints() {
+  const auto depth = static_cast<float>(options_.column_depth);
   const auto spacing = static_cast<float>(options_.point_spacing);
   points_.clear();
   open_.clear();
@@ -184,60 +287,49 @@ PlanarScan SweepProjection::Project(const Input& input, const Eigen::Matrix3f& R
     while (begin < solid_.size() && solid_[begin].bin == column) {
       Eigen::Vector2f sum = Eigen::Vector2f::Zero();
       float weight = 0.0f;
-      const float first_range = solid_[begin].range;
+      const float last_range = solid_[begin].range + depth;
       const float phase = solid_[begin].phase;
-      for (; begin < solid_.size() && solid_[begin].bin == column && solid_[begin].range <= first_range + depth;
-           ++begin) {
+      for (; begin < solid_.size() && solid_[begin].bin == column && solid_[begin].range <= last_range; ++begin) {
         sum += solid_[begin].sum;
         weight += solid_[begin].weight;
       }
       const Eigen::Vector2f mean = sum / weight;
-      const auto joins = std::find_if(open_.begin(), open_.end(), [&](uint32_t k) {
+      const auto joined = std::find_if(open_.begin(), open_.end(), [&](uint32_t k) {
         return points_[k].column + 1 >= column && (points_[k].first - mean).squaredNorm() < spacing * spacing;
       });
-      uint32_t joined = 0;
-      if (joins != open_.end()) {
-        joined = *joins;
-        points_[joined].sum += sum;
-        points_[joined].weight += weight;
-        points_[joined].column = column;
+      if (joined != open_.end()) {
+        Point& point = points_[*joined];
+        point.sum += sum;
+        point.weight += weight;
+        point.column = column;
+        still_open_.push_back(*joined);
       } else {
-        joined = static_cast<uint32_t>(points_.size());
+        still_open_.push_back(static_cast<uint32_t>(points_.size()));
         points_.push_back({sum, mean, weight, phase, column});
       }
-      still_open_.push_back(joined);
     }
     std::swap(open_, still_open_);
   }
+}
 
-  PlanarScan scan;
-  scan.point_rays_are_free = false;
-  scan.points.reserve(points_.size());
-  scan.weights.reserve(points_.size());
-  if (has_phases) scan.phases.reserve(points_.size());
-  for (const Point& point : points_) {
-    scan.points.push_back(point.sum / point.weight);
-    scan.weights.push_back(point.weight);
-    if (has_phases) scan.phases.push_back(point.phase);
-    const Eigen::Vector2f& p = scan.points.back();
-    const auto sector = std::min(kSectors - 1, static_cast<size_t>((FastAtan2(p.y(), p.x()) + kPiF) * kInverseSector));
-    nearest_[sector] = std::min(nearest_[sector], p.norm());
-  }
+void SweepProjection::AddFreeRays(PlanarScan* scan) const {
+  const auto step_length = static_cast<float>(options_.max_range) / kRangeSteps;
   for (size_t s = 0; s < kSectors; ++s) {
-    uint64_t seen = seen_[s];
+    const float bearing = (static_cast<float>(s) + 0.5f) / kInverseSector - kPiF;
+    const Eigen::Vector2f direction(std::cos(bearing), std::sin(bearing));
+    if (std::isfinite(first_[s])) scan->first_returns.push_back(first_[s] * direction);
+    const uint64_t seen = seen_[s];
     if (seen == 0) continue;
     int step = 0;
     while (((seen >> step) & 1) == 0) ++step;
-    if (static_cast<float>(step) > kBlindRange * inverse_step) continue;
+    if (static_cast<float>(step) * step_length > kBlindRange) continue;
     while (step < kRangeSteps && ((seen >> step) & 1) != 0) ++step;
     const float nearest =
         std::min({nearest_[(s + kSectors - 1) % kSectors], nearest_[s], nearest_[(s + 1) % kSectors]});
-    const float range = std::min(static_cast<float>(step) / inverse_step, nearest - kFreeMargin);
+    const float range = std::min(static_cast<float>(step) * step_length, nearest - kFreeMargin);
     if (!(range >= static_cast<float>(options_.min_range))) continue;
-    const float bearing = (static_cast<float>(s) + 0.5f) / kInverseSector - kPiF;
-    scan.free_ends.emplace_back(range * std::cos(bearing), range * std::sin(bearing));
+    scan->free_ends.push_back(range * direction);
   }
-  return scan;
 }
 
 }  // namespace arborslam

@@ -56,17 +56,30 @@ class SweepProjection {
   struct Input {
     const std::vector<Eigen::Vector3f>* points;  ///< [m, lidar frame].
     const std::vector<float>* heights;           ///< [m], of each point over the ground.
-    const std::vector<float>* phases;            ///< As of `PointPhases`; may be empty.
     float lidar_height;                          ///< [m], of the lidar over the ground below it.
     float mean_canopy_height;                    ///< [m]
     float column_width;                          ///< [rad]
+    /// As of `PointPhases`; null or empty: not known.
+    const std::vector<float>* phases = nullptr;
   };
 
-  /// The planar points of a sweep in the frame that `R_base_lidar` turns upright, by bearing; each is the mean of
-  /// returns that lie over one another, `weights` says of how many, and `phases` when one of them was measured (a mean
-  /// of the sweep's first and last moment would be its middle). `free_ends` has one ray for every sector of
-  /// bearing in which the ground, or what stands on it, was seen from so low that nothing, not even a low cone, can
-  /// stand before it unseen; it ends before the nearest planar point.
+  /// The planar points of a sweep in the frame that `R_base_lidar` turns upright, by bearing: what is solid between
+  /// the ground and the mean canopy height.
+  ///
+  /// Eq. 6 leaves trunks and the leaves that hang beside them. They are told apart by range: neighbouring beams that
+  /// meet something solid, be it as thin as a vine, end at one range, those that enter leaves at random ranges, other
+  /// ones in every sweep. So returns are compared with those of the columns within some centimetres on either side
+  /// and of about the same height; with n of m returns at its range, a return has a solidity of (n - 1) / (m + 1).
+  /// Where little is solid, the most solid of the rest is kept as well; where very much is, the least solid is left
+  /// out.
+  ///
+  /// Returns of one column that lie over one another become one point, and so do points of neighbouring columns closer
+  /// than the point spacing; `weights` says of how many returns each is the mean, and `phases` when one of them was
+  /// measured (the mean of the sweep's first and last moment would be its middle).
+  ///
+  /// `free_ends` has one ray for every sector of bearing in which the ground, or what stands on it, was seen from so
+  /// low that nothing, not even a cone, can stand before it unseen; it ends before the nearest thing that may be solid.
+  /// The rays to the points say nothing of the kind: they may pass over low things.
   PlanarScan Project(const Input& input, const Eigen::Matrix3f& R_base_lidar);
 
  private:
@@ -95,18 +108,34 @@ class SweepProjection {
     uint32_t column;
   };
 
-  // How sure it is that `cluster` is something solid.
-  float Solidity(const Cluster& cluster, size_t num_columns, float tolerance) const;
+  // Fills kept_, bin_ends_ (with the numbers of returns, one bin late) and seen_.
+  void Select(const Input& input, const Eigen::Matrix3f& R_base_lidar);
+  // Fills sorted_, ranges_, bin_ends_ and clusters_.
+  void MakeClusters();
+  // How sure it is that `cluster` is something solid, in [0, 1).
+  float Solidity(const Cluster& cluster, float column_width) const;
+  // Fills solid_ and nearest_.
+  void FindSolid(float column_width);
+  // Makes what lies beside something solid, one column on and at its range, solid too: the edges of trunks, which
+  // have fewer neighbours, and without which trunks would seem the thinner the farther off they are.
+  void KeepEdges(float column_width, float least);
+  // Fills points_.
+  void MakePoints();
+  void AddFreeRays(PlanarScan* scan) const;
 
   SweepProjectionOptions options_;
+  size_t num_columns_ = 0;
   std::vector<Return> kept_;
-  std::vector<Return> sorted_;
+  std::vector<Return> sorted_;  // By bin, then by range.
+  std::vector<float> ranges_;   // [m], of sorted_.
   std::vector<uint32_t> bin_ends_;
   std::vector<uint64_t> seen_;  // For each sector, the steps of range that were seen down to the ground.
-  std::vector<float> nearest_;  // [m], planar point of each sector.
+  std::vector<float> first_;    // [m], for each sector, the nearest return.
+  std::vector<float> nearest_;  // [m], for each sector, the nearest thing that may be solid.
   std::vector<Cluster> clusters_;
   std::vector<float> solidities_;
   std::vector<Cluster> solid_;
+  std::vector<size_t> edges_;  // Of clusters_.
   std::vector<Point> points_;
   std::vector<uint32_t> open_;  // Points that the last column began or went on with.
   std::vector<uint32_t> still_open_;

@@ -12,6 +12,7 @@ namespace {
 
 constexpr size_t kMinPoints = 64;
 constexpr size_t kColumnBlocks = 64;     // Pieces of the file in which a sweep by columns turns steadily.
+constexpr size_t kMostSamples = 48;      // Of a piece.
 constexpr size_t kRingBlockPoints = 8;   // Neighbours in a ring.
 constexpr float kMinSteadiness = 0.8f;   // Net turning over all turning.
 constexpr float kMaxColumnTurns = 1.5f;  // More turns than this are rings.
@@ -19,16 +20,18 @@ constexpr float kMinSameSign = 0.8f;     // Share of steps that turn the rings' 
 constexpr float kInverseTurn = 0.159154943f;
 constexpr size_t kSeamBins = 90;
 
-// To [-0.5, 0.5).
-float WrapTurn(float turns) { return turns - std::floor(turns + 0.5f); }
+// To [-0.5, 0.5], from [-1, 1].
+float WrapTurn(float turns) { return turns > 0.5f ? turns - 1.0f : (turns < -0.5f ? turns + 1.0f : turns); }
 
-// Azimuths [turns] of the mean horizontal directions of pieces of `size` points, in the order of the file.
+// Azimuths [turns] of the mean horizontal positions of pieces of `size` points, in the order of the file. Of long
+// pieces only some points are looked at.
 std::vector<float> BlockAzimuths(const std::vector<Eigen::Vector3f>& points, size_t size) {
   std::vector<float> azimuths;
   azimuths.reserve(points.size() / size + 1);
+  const size_t stride = std::max<size_t>(1, size / kMostSamples);
   for (size_t begin = 0; begin + size <= points.size(); begin += size) {
     Eigen::Vector2f sum = Eigen::Vector2f::Zero();
-    for (size_t i = begin; i < begin + size; ++i) {
+    for (size_t i = begin; i < begin + size; i += stride) {
       const Eigen::Vector2f flat = points[i].head<2>();
       sum += flat / std::sqrt(flat.squaredNorm() + 1e-12f);
     }
@@ -80,6 +83,7 @@ void PointPhases(const LidarSweep& sweep, std::vector<float>* phases) {
   if (std::abs(net) > kMinSteadiness * all && std::abs(net) < kMaxColumnTurns) {
     const float sense = net > 0.0f ? 1.0f : -1.0f;
     phases->resize(points.size());
+    Azimuths(points.data(), points.size(), phases->data());
     float turned = 0.0f;  // Of the block's mean, since the first block's.
     float least = 0.0f;
     float most = 0.0f;
@@ -88,12 +92,11 @@ void PointPhases(const LidarSweep& sweep, std::vector<float>* phases) {
       // What is left over after the last whole block goes by that block.
       const float mean = columns[std::min(b, columns.size() - 1)];
       const size_t end = std::min(points.size(), (b + 1) * block);
+      float* const phase = phases->data();
       for (size_t i = b * block; i < end; ++i) {
-        const float azimuth = kInverseTurn * FastAtan2(points[i].y(), points[i].x());
-        const float phase = turned + sense * WrapTurn(azimuth - mean);
-        least = std::min(least, phase);
-        most = std::max(most, phase);
-        (*phases)[i] = phase;
+        phase[i] = turned + sense * WrapTurn(kInverseTurn * phase[i] - mean);
+        least = phase[i] < least ? phase[i] : least;
+        most = phase[i] > most ? phase[i] : most;
       }
     }
     const float scale = 1.0f / std::max(1.0f, most - least);
@@ -103,16 +106,20 @@ void PointPhases(const LidarSweep& sweep, std::vector<float>* phases) {
 
   const std::vector<float> pieces = BlockAzimuths(points, kRingBlockPoints);
   size_t forward = 0;
-  for (size_t b = 1; b < pieces.size(); ++b) forward += WrapTurn(pieces[b] - pieces[b - 1]) > 0.0f ? 1 : 0;
-  const float forward_share = static_cast<float>(forward) / static_cast<float>(pieces.size() - 1);
-  if (std::max(forward_share, 1.0f - forward_share) < kMinSameSign) return;
-  const float sense = forward_share > 0.5f ? 1.0f : -1.0f;
+  size_t backward = 0;
+  for (size_t b = 1; b < pieces.size(); ++b) {
+    const float step = WrapTurn(pieces[b] - pieces[b - 1]);
+    forward += step > 0.0f ? 1 : 0;
+    backward += step < 0.0f ? 1 : 0;
+  }
+  if (static_cast<float>(std::max(forward, backward)) < kMinSameSign * static_cast<float>(pieces.size() - 1)) return;
+  const float sense = forward > backward ? 1.0f : -1.0f;
   const float seam = RingSeam(points);
   phases->resize(points.size());
-  for (size_t i = 0; i < points.size(); ++i) {
-    const float azimuth = kInverseTurn * FastAtan2(points[i].y(), points[i].x());
-    const float turned = sense * (azimuth - seam);
-    (*phases)[i] = turned - std::floor(turned);
+  Azimuths(points.data(), points.size(), phases->data());
+  for (float& phase : *phases) {
+    const float turned = sense * (kInverseTurn * phase - seam);
+    phase = turned - std::floor(turned);
   }
 }
 

@@ -7,8 +7,10 @@
 namespace arborslam {
 
 SweepReducer::SweepReducer(const ReductionOptions& reduction, const SweepProjectionOptions& projection,
-                           const MovingObjectOptions& moving_objects, double terrain_cell_size)
+                           const MovingObjectOptions& moving_objects, const CompactThingOptions& compact,
+                           double terrain_cell_size)
     : options_(reduction),
+      compact_options_(compact),
       projector_(projection),
       moving_objects_(moving_objects),
       find_moving_(moving_objects.enabled),
@@ -43,6 +45,7 @@ ReducedSweep SweepReducer::Reduce(const LidarSweep& sweep, const SE2& prediction
     reduced.planar = WithoutMovingObjects(reduced.with_moving, moving_objects_.Find(reduced.with_moving, prediction));
   }
   reduced.num_moving = static_cast<int>(reduced.with_moving.points.size() - reduced.planar.points.size());
+  CenterCompactThings(compact_options_, &reduced.planar);
   return reduced;
 }
 

@@ -10,8 +10,10 @@
 #include "core/sensor/ground_sample.h"
 #include "core/sensor/lidar_sweep.h"
 #include "core/sensor/planar_scan.h"
+#include "frontend/projection/compact_things.h"
 #include "frontend/projection/moving_object_filter.h"
 #include "frontend/projection/sweep_projector.h"
+#include "frontend/projection/upright_lines.h"
 #include "frontend/tracking/planar_velocity.h"
 
 namespace arborslam {
@@ -32,7 +34,7 @@ struct ReductionOptions {
 
 /// A sweep as the estimation uses it.
 struct ReducedSweep {
-  PlanarScan planar;                 ///< In the base frame, without what moves.
+  PlanarScan planar;                 ///< In the base frame, without what moves, compact things centred.
   PlanarScan with_moving;            ///< The same with it.
   std::vector<GroundSample> ground;  ///< In the lidar frame.
   bool has_ground = false;           ///< False: no ground was found, the tilt is that of the sweep before.
@@ -48,7 +50,7 @@ class SweepReducer {
  public:
   /// The options must be valid.
   SweepReducer(const ReductionOptions& reduction, const SweepProjectionOptions& projection,
-               const MovingObjectOptions& moving_objects, double terrain_cell_size);
+               const MovingObjectOptions& moving_objects, const CompactThingOptions& compact, double terrain_cell_size);
 
   /// @param prediction T_odom_base of the sweep's middle.
   ReducedSweep Reduce(const LidarSweep& sweep, const SE2& prediction, const PlanarVelocity& velocity);
@@ -56,8 +58,14 @@ class SweepReducer {
   /// Remembers a sweep whose pose is known by now.
   void Commit(const ReducedSweep& sweep, const SE2& T_odom_base);
 
+  /// The upright lines of the sweep last reduced, measured with its `tilt`.
+  std::vector<UprightLine> LinesOfLast(const ReducedSweep& sweep) const {
+    return FindUprightLines(prepared_, sweep.tilt.Rotation().cast<float>());
+  }
+
  private:
   ReductionOptions options_;
+  CompactThingOptions compact_options_;
   SweepProjector projector_;
   MovingObjectFilter moving_objects_;
   bool find_moving_;

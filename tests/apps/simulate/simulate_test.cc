@@ -11,10 +11,14 @@
 #include <optional>
 #include <string>
 
+#include "core/io/kitti_bin.h"
+#include "core/io/map_io.h"
 #include "core/io/npz.h"
+#include "core/io/point_cloud_file.h"
 #include "core/io/scan_source.h"
 #include "core/io/trajectory_io.h"
 #include "core/simulation/planar_orchard.h"
+#include "core/simulation/vineyard.h"
 
 namespace arborslam {
 namespace {
@@ -57,7 +61,7 @@ class SimulateTest : public testing::Test {
     EXPECT_EQ(result.exit_code, exit_code) << arguments;
     EXPECT_NE(result.output.find(expected), std::string::npos) << arguments << ": " << result.output;
     EXPECT_EQ(result.output.find('\n'), result.output.size() - 1) << result.output;
-    EXPECT_FALSE(fs::exists(folder_ / "out" / "scans.npz")) << arguments;
+    EXPECT_FALSE(fs::exists(folder_ / "out")) << arguments;
   }
 
   std::string Contents(const fs::path& path) const {
@@ -118,10 +122,91 @@ TEST_F(SimulateTest, ItsOwnConfigurationRepeatsTheRun) {
   EXPECT_NE(Contents("first/scans.npz"), Contents("third/scans.npz"));
 }
 
+TEST_F(SimulateTest, WritesSweepsWithTheirTruth) {
+  const std::string small = " --scans 3 --set vineyard.columns=90 vineyard.max_range=20 --output DIR/";
+  const ProgramResult result = Run("--scenario vineyard --seed 5" + small + "bin");
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_EQ(result.output.rfind("3 sweeps among ", 0), 0u) << result.output;
+  // Exactly these files: nothing temporary is left behind.
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "bin"), {}), 7);
+  for (const char* file : {"timestamps.txt", "ground_truth.tum", "gt_map.yaml", "gt_map.pgm", "controls.csv",
+                           "simulation.yaml", "clouds/000000.bin", "clouds/000002.bin"}) {
+    EXPECT_FALSE(Contents(fs::path("bin") / file).empty()) << file;
+  }
+  EXPECT_EQ(Contents("bin/timestamps.txt"), "0.000000000\n0.100000000\n0.200000000\n");
+  EXPECT_EQ(Contents("bin/controls.csv").rfind("stamp,forward_velocity,lateral_velocity,yaw_rate\n0.050000000,", 0),
+            0u);
+
+  VineyardOptions options;
+  options.run.seed = 5;
+  options.run.num_scans = 3;
+  options.run.lidar.columns = 90;
+  options.run.lidar.max_range = 20.0;
+  const SimulatedRun run(options.run, MakeVineyard(options));
+  const Trajectory3 truth = ReadTrajectory((folder_ / "bin/ground_truth.tum").string());
+  ASSERT_EQ(truth.poses.size(), 3u);
+  for (size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(truth.poses[i].stamp, run.Middle(i), 1e-9);
+    EXPECT_LT((truth.poses[i].position - run.TruePose(i).translation()).norm(), 1e-8);
+    const LidarSweep sweep = ReadKittiBin((folder_ / "bin/clouds" / ("00000" + std::to_string(i) + ".bin")).string());
+    EXPECT_EQ(sweep.points, run.Sweep(i).points);
+  }
+  const GridImage map = ReadMapServer((folder_ / "bin/gt_map.yaml").string());
+  EXPECT_EQ(map.occupancy, run.Map().occupancy);
+
+  ASSERT_EQ(Run("--scenario vineyard --seed 5 --format pcd" + small + "pcd").exit_code, 0);
+  const PointCloudFile cloud = ReadPointCloudFile((folder_ / "pcd/clouds/000001.pcd").string());
+  EXPECT_EQ(cloud.sweep.points, run.Sweep(1).points);
+  ASSERT_EQ(cloud.raw_times.size(), cloud.sweep.points.size());
+  EXPECT_EQ(static_cast<float>(cloud.raw_times.back()), run.Sweep(1).times.back());
+  EXPECT_EQ(Contents("pcd/ground_truth.tum"), Contents("bin/ground_truth.tum"));
+}
+
+TEST_F(SimulateTest, EqualOptionsGiveEqualBytesInEveryScenario) {
+  for (const std::string name : {"cones", "citrus", "vineyard", "orchard", "forest"}) {
+    const std::string small =
+        " --scans 2 --quiet --set " + name + ".columns=90 " + name + ".max_range=15 --output DIR/";
+    ASSERT_EQ(Run("--scenario " + name + small + name + "1").exit_code, 0);
+    ASSERT_EQ(
+        Run("--scenario " + name + " --config DIR/" + name + "1/simulation.yaml --quiet --output DIR/" + name + "2")
+            .exit_code,
+        0);
+    ASSERT_EQ(Run("--scenario " + name + " --seed 2" + small + name + "3").exit_code, 0);
+    for (const char* file : {"clouds/000001.bin", "ground_truth.tum", "gt_map.pgm", "controls.csv"}) {
+      EXPECT_EQ(Contents(fs::path(name + "1") / file), Contents(fs::path(name + "2") / file)) << name << " " << file;
+      EXPECT_NE(Contents(fs::path(name + "1") / file), Contents(fs::path(name + "3") / file)) << name << " " << file;
+    }
+    EXPECT_EQ(Contents(name + "1/simulation.yaml"), Contents(name + "2/simulation.yaml"));
+  }
+}
+
+TEST_F(SimulateTest, MixesNoTwoRecordings) {
+  const std::string small = "--scenario cones --quiet --set cones.columns=36 cones.max_range=15 --output DIR/out ";
+  ASSERT_EQ(Run(small + "--scans 4").exit_code, 0);
+  // The same again, and a longer one, replace it.
+  EXPECT_EQ(Run(small + "--scans 4").exit_code, 0);
+  EXPECT_EQ(Run(small + "--scans 5").exit_code, 0);
+  const ProgramResult shorter = Run(small + "--scans 3");
+  EXPECT_EQ(shorter.exit_code, 1);
+  EXPECT_NE(shorter.output.find("does not belong to this recording"), std::string::npos) << shorter.output;
+  EXPECT_EQ(Run(small + "--scans 5 --format pcd").exit_code, 1);
+}
+
 TEST_F(SimulateTest, RefusesWhatItCannotDo) {
   ExpectError("--output DIR/out", 2, "--scenario NAME is missing");
-  ExpectError("--scenario forest --output DIR/out", 2, "--scenario is 'forest'; the scenarios are: planar_orchard");
+  ExpectError("--scenario forrest --output DIR/out", 2, "--scenario is 'forrest'; did you mean 'forest'?");
+  ExpectError("--scenario forrest --output DIR/out", 2,
+              "The scenarios are: cones, citrus, vineyard, orchard, forest, planar_orchard");
   ExpectError("--scenario planar_orchard", 2, "--output DIR is missing");
+  ExpectError("--scenario planar_orchard --output DIR/out --format pcd", 2, "--format is for sweeps");
+  const std::string cones = "--scenario cones --output DIR/out ";
+  ExpectError(cones + "--format ply", 2, "--format is 'ply' but must be bin or pcd");
+  ExpectError(cones + "--seed one", 2, "--seed");
+  ExpectError(cones + "--seed -3", 2, "--seed is -3 but must be 0 or more");
+  ExpectError(cones + "--scans 2000000", 1, "num_scans is 2000000, must lie in [0, 1000000]");
+  ExpectError(cones + "--set cones.motion=fly", 1, "motion is 'fly', must be wheeled, trot or handheld");
+  ExpectError(cones + "--set cones.cone=3", 1, "did you mean 'cones'?");
+  ExpectError(cones + "--set forest.stems=3", 1, "unknown section 'forest'");
   const std::string valid = "--scenario planar_orchard --output DIR/out ";
   ExpectError(valid + "--seed -1", 2, "--seed is -1 but must be 0 or more");
   ExpectError(valid + "--scans 0", 2, "--scans is 0 but must be 1 or more");
@@ -138,10 +223,10 @@ TEST_F(SimulateTest, RefusesWhatItCannotDo) {
 TEST_F(SimulateTest, HelpIsShortAndNamesEveryFlag) {
   const ProgramResult result = Run("--help");
   EXPECT_EQ(result.exit_code, 0);
-  for (const char* flag : {"--scenario", "--output", "--seed", "--scans", "--config", "--set", "--quiet"}) {
+  for (const char* flag : {"--scenario", "--output", "--format", "--seed", "--scans", "--config", "--set", "--quiet"}) {
     EXPECT_NE(result.output.find(flag), std::string::npos) << flag;
   }
-  EXPECT_LT(std::count(result.output.begin(), result.output.end(), '\n'), 25);
+  EXPECT_LT(std::count(result.output.begin(), result.output.end(), '\n'), 32);
 }
 
 }  // namespace

@@ -67,7 +67,8 @@ TEST(SpanOfPointTimes, IsInSecondsInAnyOrder) {
   EXPECT_DOUBLE_EQ(span->last, 0.08);
   EXPECT_TRUE(SpanOfPointTimes({3.0}, {1.0, false}, 0.1)) << "A sweep of one point has a time.";
   EXPECT_FALSE(SpanOfPointTimes({}, {1.0, false}, 0.1));
-  EXPECT_FALSE(SpanOfPointTimes({0.0, 4.0}, {1.0, false}, 0.1));
+  EXPECT_TRUE(SpanOfPointTimes({0.0, 0.25}, {1.0, false}, 0.25));
+  EXPECT_FALSE(SpanOfPointTimes({0.0, 0.26}, {1.0, false}, 0.25));
 }
 
 }  // namespace

@@ -151,6 +151,16 @@ TEST(SweepFolder, TakesTheNamesForStampsInTheirOrder) {
   EXPECT_THAT(Starts(sweeps), ElementsAre(1664464000.3, 1664464000.4, 1664464000.5));
 }
 
+TEST(SweepFolder, NamesThatAreStampsGiveTheOrderAlsoWhereAFileStampsThem) {
+  const TempFolder folder;
+  WriteBins(folder, {"1664464000.5", "1664464000.3000", "1664464001.40"}, "1\n2\n3\n");
+  SweepFolder source(folder.path(), {});
+  EXPECT_THAT(source.Notices(), Not(Contains(HasSubstr("named"))));
+  const std::vector<LidarSweep> sweeps = ReadAll(&source);
+  EXPECT_THAT(FirstX(sweeps), ElementsAre(2.0f, 1.0f, 3.0f));
+  EXPECT_THAT(Starts(sweeps), ElementsAre(1.0, 2.0, 3.0));
+}
+
 TEST(SweepFolder, WithoutStampsTheSweepsComeAtTenHertzAndTheUserIsTold) {
   const TempFolder folder;
   WriteBins(folder, {"0", "1", "2"}, "");
@@ -322,6 +332,16 @@ TEST(SweepFolder, AbsoluteTimesServeAsStampsWhenThereAreNone) {
               ElementsAre(kStart, DoubleNear(kStart + 0.1, 1e-5), DoubleNear(kStart + 0.2, 1e-5)));
 }
 
+TEST(SweepFolder, WithoutStampsTheSweepsComeAsOftenAsTheyLast) {
+  const TempFolder folder;
+  WriteTimedPcds(folder, 3, "time", [](double, double part) { return 0.05 * part; });
+  SweepFolder source(folder.path(), {});
+  EXPECT_THAT(source.Notices(), Contains(HasSubstr("0.05 s apart (20 Hz)")));
+  const std::vector<LidarSweep> sweeps = ReadAll(&source);
+  EXPECT_NEAR(sweeps[2].start, 0.1, 1e-9);
+  EXPECT_NEAR(sweeps[2].duration, 0.05, 1e-9);
+}
+
 TEST(SweepFolder, ASweepMayMissItsFirstAndLastReturns) {
   const TempFolder folder;
   folder.Write("times.txt", kStamps);
@@ -336,7 +356,7 @@ TEST(SweepFolder, ASweepMayMissItsFirstAndLastReturns) {
 TEST(SweepFolder, DamagedTimesOfOneSweepAreLeftOut) {
   const TempFolder folder;
   folder.Write("times.txt", kStamps);
-  WriteTimedPcds(folder, 3, "time", [](double i, double part) { return i == 1.0 && part == 1.0 ? 1e9 : 0.1 * part; });
+  WriteTimedPcds(folder, 3, "time", [](double i, double part) { return i == 1.0 && part == 1.0 ? 0.4 : 0.1 * part; });
   const std::vector<LidarSweep> sweeps = ReadAll(folder.path());
   EXPECT_THAT(sweeps[0].times, SizeIs(200));
   EXPECT_THAT(sweeps[1].times, IsEmpty());
@@ -392,7 +412,7 @@ TEST(RecordedKitti, HasTenSweepsOfAStreet) {
   for (size_t i = 0; i < 10; ++i) {
     const LidarSweep& sweep = sweeps[i];
     EXPECT_NEAR(sweep.start, 0.1 * static_cast<double>(i), 1e-12);
-    EXPECT_EQ(sweep.duration, 0.1);
+    EXPECT_NEAR(sweep.duration, 0.1, 1e-9);
     EXPECT_GT(sweep.points.size(), 110000u);
     size_t num_near_ground = 0;
     for (const Eigen::Vector3f& point : sweep.points) {

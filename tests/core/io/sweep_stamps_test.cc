@@ -68,6 +68,8 @@ TEST(StampsOfNames, TakesNamesThatAreStamps) {
               Optional(ElementsAre(DoubleNear(1664464000.0, 1e-6), DoubleNear(1664464000.000005, 1e-6))));
   EXPECT_THAT(StampsOfNames({"0.000", "0.100", "12.3456"}), Optional(ElementsAre(0.0, 0.1, 12.3456)));
   EXPECT_THAT(StampsOfNames({"1664464000"}), Optional(ElementsAre(1664464000.0)));
+  EXPECT_THAT(StampsOfNames({"vlp16_1664464000.125", "2022-09-29_vlp16_1664464001_500000000"}),
+              Optional(ElementsAre(1664464000.125, 1664464001.5)));
 }
 
 TEST(StampsOfNames, TakesNumbersForNumbers) {
@@ -77,8 +79,10 @@ TEST(StampsOfNames, TakesNumbersForNumbers) {
   EXPECT_EQ(StampsOfNames({"1664464000.125", "1664464000.1250"}), std::nullopt) << "Twice the same.";
   EXPECT_EQ(StampsOfNames({"1664464000.125a"}), std::nullopt);
   EXPECT_EQ(StampsOfNames({"1664464000_1_2"}), std::nullopt);
-  EXPECT_EQ(StampsOfNames({"1664464000_1000000000"}), std::nullopt);
+  EXPECT_EQ(StampsOfNames({"1664464000_12345678901"}), std::nullopt);
   EXPECT_EQ(StampsOfNames({"12_345678901"}), std::nullopt);
+  EXPECT_EQ(StampsOfNames({"vlp16_12.345"}), std::nullopt);
+  EXPECT_EQ(StampsOfNames({"2022-09-29-16-00-00"}), std::nullopt);
   EXPECT_EQ(StampsOfNames({"20220929"}), std::nullopt);
   EXPECT_EQ(StampsOfNames({""}), std::nullopt);
 }

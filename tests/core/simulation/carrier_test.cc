@@ -14,16 +14,16 @@ const Eigen::Vector2d kHigh(40.0, 40.0);
 
 ClosedPath Loop() { return ClosedPath({{0.0, 0.0}, {12.0, 0.0}, {12.0, 8.0}, {-4.0, 8.0}, {-4.0, 0.0}}, 1.0); }
 
-Terrain Waves(double undulation, double slope = 0.0) {
-  TerrainOptions options;
+UnevenGround Waves(double undulation, double slope = 0.0) {
+  UnevenGroundOptions options;
   options.undulation = undulation;
   options.slope = slope;
   options.slope_direction = 20.0;
-  return Terrain(options, 1, kLow, kHigh);
+  return UnevenGround(options, 1, kLow, kHigh);
 }
 
 TEST(CarrierTest, RestsGoesAroundAndRests) {
-  const Terrain terrain = Waves(0.3);
+  const UnevenGround terrain = Waves(0.3);
   CarrierOptions options;
   const Carrier carrier(options, Loop(), &terrain, 1);
   EXPECT_NEAR(carrier.Duration(), Loop().Length() + 4.0, 1e-9);
@@ -46,7 +46,7 @@ TEST(CarrierTest, RestsGoesAroundAndRests) {
 }
 
 TEST(CarrierTest, PosesAreSmooth) {
-  const Terrain terrain = Waves(0.4);
+  const UnevenGround terrain = Waves(0.4);
   for (const std::string& motion : BodyMotion::Kinds()) {
     CarrierOptions options;
     options.motion = motion;
@@ -70,7 +70,7 @@ TEST(CarrierTest, PosesAreSmooth) {
 }
 
 TEST(CarrierTest, StandsOnTheGroundAndTiltsWithIt) {
-  const Terrain terrain = Waves(0.4, 8.0);
+  const UnevenGround terrain = Waves(0.4, 8.0);
   CarrierOptions options;
   options.restlessness = 0.0;
   options.sensor_height = 0.7;
@@ -92,7 +92,7 @@ TEST(CarrierTest, StandsOnTheGroundAndTiltsWithIt) {
 }
 
 TEST(CarrierTest, VelocityIsThatOfTheMeanCourse) {
-  const Terrain terrain = Waves(0.0);
+  const UnevenGround terrain = Waves(0.0);
   CarrierOptions options;
   options.restlessness = 0.0;
   options.wander = 0.0;
@@ -101,14 +101,14 @@ TEST(CarrierTest, VelocityIsThatOfTheMeanCourse) {
   double turn = 0.0;
   constexpr double kStep = 0.01;
   for (double time = 0.0; time < carrier.Duration(); time += kStep) {
-    const PlanarVelocity velocity = carrier.VelocityAt(time);
+    const OdometryVelocity velocity = carrier.VelocityAt(time);
     ASSERT_LT(std::abs(velocity.left), 0.03);
     distance += kStep * velocity.forward;
     turn += kStep * velocity.yaw;
   }
   EXPECT_NEAR(distance, Loop().Length(), 0.02 * Loop().Length());
   EXPECT_NEAR(turn, 2.0 * kPi, 0.01);
-  const PlanarVelocity rest = carrier.VelocityAt(0.5);
+  const OdometryVelocity rest = carrier.VelocityAt(0.5);
   EXPECT_EQ(rest.forward, 0.0);
   EXPECT_EQ(rest.yaw, 0.0);
 }

@@ -9,11 +9,11 @@ namespace arborslam {
 namespace {
 
 World3 FlatWorld() {
-  TerrainOptions options;
+  UnevenGroundOptions options;
   options.undulation = 0.0;
   options.bumps = 0.0;
   options.grass_height = 0.0;
-  return {Terrain(options, 1, {-20.0, -20.0}, {20.0, 20.0}), {}, {}, {}};
+  return {UnevenGround(options, 1, {-20.0, -20.0}, {20.0, 20.0}), {}, {}, {}};
 }
 
 // Whether the square of the cell touches a disc.
@@ -47,8 +47,11 @@ TEST(FootprintMapTest, AConeOccupiesTheDiscOfItsBase) {
       const uint8_t cell = map.occupancy[static_cast<size_t>(row) * 61u + static_cast<size_t>(column)];
       const bool is_surely_in = Touches(map, column, row, base.head<2>(), 0.2 - 0.001);
       const bool is_surely_out = !Touches(map, column, row, base.head<2>(), 0.2 + 0.003);
-      if (is_surely_in) ASSERT_EQ(cell, 100) << row << " " << column;
-      if (is_surely_out) ASSERT_EQ(cell, 0) << row << " " << column;
+      if (is_surely_in) {
+        ASSERT_EQ(cell, 100) << row << " " << column;
+      } else if (is_surely_out) {
+        ASSERT_EQ(cell, 0) << row << " " << column;
+      }
       occupied += cell == 100 ? 1 : 0;
     }
   }

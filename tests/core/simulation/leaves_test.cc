@@ -61,16 +61,20 @@ TEST(LeavesTest, PassageAgreesWithBruteForceSampling) {
     leaves.extent = {random.Uniform(0.1, 2.0), random.Uniform(0.1, 2.0), random.Uniform(0.1, 2.0)};
     leaves.yaw = random.Uniform(-kPi, kPi);
     const Eigen::Vector3d origin(random.Uniform(-4.0, 4.0), random.Uniform(-4.0, 4.0), random.Uniform(-4.0, 4.0));
-    const Eigen::Vector3d direction =
-        Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian()).normalized();
+    const Eigen::Vector3d aim =
+        leaves.center + Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian());
+    const Eigen::Vector3d direction = (aim - origin).normalized();
     const Passage passage = PassageThrough(leaves, origin, direction);
     hits += passage.entry < passage.exit ? 1 : 0;
     for (double range = 0.0; range < 12.0; range += 0.02) {
       const bool is_well_within = range > passage.entry + 1e-9 && range < passage.exit - 1e-9;
       const bool is_well_without = range < passage.entry - 1e-9 || range > passage.exit + 1e-9;
       const bool is_inside = IsInside(leaves, origin + range * direction);
-      if (is_well_within) ASSERT_TRUE(is_inside) << trial << " " << range;
-      if (is_well_without || passage.entry >= passage.exit) ASSERT_FALSE(is_inside) << trial << " " << range;
+      if (is_well_within) {
+        ASSERT_TRUE(is_inside) << trial << " " << range;
+      } else if (is_well_without || passage.entry >= passage.exit) {
+        ASSERT_FALSE(is_inside) << trial << " " << range;
+      }
     }
   }
   EXPECT_GT(hits, 100);

@@ -23,11 +23,11 @@ Lidar3Options Exact() {
 }
 
 World3 FlatWorld() {
-  TerrainOptions options;
+  UnevenGroundOptions options;
   options.undulation = 0.0;
   options.bumps = 0.0;
   options.grass_height = 0.0;
-  return {Terrain(options, 1, {-120.0, -120.0}, {120.0, 120.0}), {}, {}, {}};
+  return {UnevenGround(options, 1, {-120.0, -120.0}, {120.0, 120.0}), {}, {}, {}};
 }
 
 Eigen::Isometry3d At(double x, double y, double z, double yaw = 0.0, double pitch = 0.0, double roll = 0.0) {
@@ -129,7 +129,7 @@ TEST(Lidar3Test, LeavesLetThroughWhatBeersLawSays) {
     Random random(seed);
     const LidarSweep sweep = lidar.Measure([](double) { return At(0.0, 0.0, 1.0); }, 0.0, &random);
     for (const Eigen::Vector3f& point : sweep.points) {
-      if (std::abs(point.y()) > 0.2f) continue;
+      if (point.x() < 0.0f || std::abs(point.y()) > 0.025f * point.x()) continue;
       if (point.x() > 7.0f) {
         ++behind;
       } else {

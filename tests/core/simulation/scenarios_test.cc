@@ -120,7 +120,7 @@ TEST_P(ScenariosTest, SweepsAreFullAndFollowFromTheSeed) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ScenariosTest, testing::ValuesIn(Expectations()),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& test) { return test.param.name; });
 
 // Every key takes part in the validation or may have any value.
 template <class Options>

@@ -27,7 +27,7 @@ RunOptions Options(int seed = 1) {
 
 Scene Posts(const RunOptions& options) {
   const ClosedPath path({{0.0, 0.0}, {8.0, 0.0}, {8.0, 4.0}, {-2.0, 4.0}, {-2.0, 0.0}}, 0.8);
-  Scene scene{path, {TerrainAround(path, options), {}, {}, {}}};
+  Scene scene{path, {GroundAround(path, options), {}, {}, {}}};
   for (const double x : {-1.0, 2.0, 5.0}) {
     const double ground = scene.world.terrain.Height({x, 2.0});
     scene.world.solids.push_back(Frustum::Between({x, 2.0, ground - 0.2}, {x + 0.1, 2.0, ground + 1.5}, 0.1, 0.05));
@@ -136,7 +136,7 @@ TEST(SimulatedRunTest, ControlsAreNoisyButTrueOnAverage) {
   double turn = 0.0;
   double error = 0.0;
   for (size_t i = 0; i < run.NumScans(); ++i) {
-    const PlanarVelocity control = run.Control(i);
+    const OdometryVelocity control = run.Control(i);
     distance += 0.2 * control.forward;
     turn += 0.2 * control.yaw;
     error += std::abs(control.forward - run.carrier().VelocityAt(run.Middle(i)).forward);

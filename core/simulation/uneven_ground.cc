@@ -1,4 +1,4 @@
-#include "core/simulation/terrain.h"
+#include "core/simulation/uneven_ground.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,12 +14,12 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNodeSpacing = 0.25;  // [m].
 constexpr int kNumWaves = 6;
-constexpr double kWaveSampling = 2.0;    // [m], where their height is looked up.
-constexpr int kNodesPerPatch = 5;        // Grass grows in patches of about this size.
-constexpr double kClumpFactor = 2.5;     // Height of a clump over that of the usual grass.
-constexpr double kNudge = 1e-9;          // [m], over the border of a cell.
-constexpr double kFloorMargin = 0.01;    // [m], below the lowest ground.
-constexpr int kPeakReaches[] = {32, 8};  // [nodes], the distances over which a beam may skip.
+constexpr double kWaveSampling = 2.0;       // [m], where their height is looked up.
+constexpr int kNodesPerPatch = 5;           // Grass grows in patches of about this size.
+constexpr double kClumpFactor = 2.5;        // Height of a clump over that of the usual grass.
+constexpr double kNudge = 1e-9;             // [m], over the border of a cell.
+constexpr double kFloorMargin = 0.01;       // [m], below the lowest ground.
+constexpr int kPeakReaches[] = {32, 8, 2};  // [nodes], the distances over which a beam may skip.
 
 // The streams of the seed.
 enum Stream : uint64_t { kWaves = 100, kBumps = 101, kGrass = 102 };
@@ -36,7 +36,7 @@ double FirstRoot(double a, double b, double c) {
 
 }  // namespace
 
-std::string TerrainOptions::Validate() const {
+std::string UnevenGroundOptions::Validate() const {
   if (!(undulation >= 0.0 && undulation <= 10.0)) return Violation("undulation", undulation, "lie in [0, 10]");
   if (!(wavelength >= 1.0 && wavelength <= 1000.0)) return Violation("wavelength", wavelength, "lie in [1, 1000]");
   if (!(slope >= 0.0 && slope <= 30.0)) return Violation("slope", slope, "lie in [0, 30]");
@@ -55,7 +55,8 @@ std::string TerrainOptions::Validate() const {
   return "";
 }
 
-Terrain::Terrain(const TerrainOptions& options, uint64_t seed, const Eigen::Vector2d& low, const Eigen::Vector2d& high)
+UnevenGround::UnevenGround(const UnevenGroundOptions& options, uint64_t seed, const Eigen::Vector2d& low,
+                           const Eigen::Vector2d& high)
     : grass_density_(options.grass_density), low_(low) {
   const double direction = DegToRad(options.slope_direction);
   slope_ = std::tan(DegToRad(options.slope)) * Eigen::Vector2d(std::cos(direction), std::sin(direction));
@@ -112,7 +113,7 @@ Terrain::Terrain(const TerrainOptions& options, uint64_t seed, const Eigen::Vect
   }
 }
 
-Terrain::Peaks::Peaks(const std::vector<float>& nodes, int width, int height, int reach_in)
+UnevenGround::Peaks::Peaks(const std::vector<float>& nodes, int width, int height, int reach_in)
     : reach(reach_in), across((width - 1) / reach_in + 1) {
   const int up = (height - 1) / reach + 1;
   heights.assign(static_cast<size_t>(across) * static_cast<size_t>(up), -std::numeric_limits<float>::infinity());
@@ -131,13 +132,13 @@ Terrain::Peaks::Peaks(const std::vector<float>& nodes, int width, int height, in
   }
 }
 
-double Terrain::Waves(const Eigen::Vector2d& position) const {
+double UnevenGround::Waves(const Eigen::Vector2d& position) const {
   double height = offset_;
   for (const Wave& wave : waves_) height += wave.amplitude * std::sin(wave.wave_number.dot(position) + wave.phase);
   return height;
 }
 
-Eigen::Vector2d Terrain::SmoothGradient(const Eigen::Vector2d& position) const {
+Eigen::Vector2d UnevenGround::SmoothGradient(const Eigen::Vector2d& position) const {
   Eigen::Vector2d gradient = slope_;
   for (const Wave& wave : waves_) {
     gradient += wave.amplitude * std::cos(wave.wave_number.dot(position) + wave.phase) * wave.wave_number;
@@ -145,7 +146,7 @@ Eigen::Vector2d Terrain::SmoothGradient(const Eigen::Vector2d& position) const {
   return gradient;
 }
 
-double Terrain::Sample(const Eigen::Vector2d& position, const std::vector<float>& nodes) const {
+double UnevenGround::Sample(const Eigen::Vector2d& position, const std::vector<float>& nodes) const {
   const double x = std::clamp((position.x() - low_.x()) / kNodeSpacing, 0.0, width_ - 1.001);
   const double y = std::clamp((position.y() - low_.y()) / kNodeSpacing, 0.0, height_ - 1.001);
   const int i = static_cast<int>(x);
@@ -156,14 +157,14 @@ double Terrain::Sample(const Eigen::Vector2d& position, const std::vector<float>
   return (1.0 - v) * ((1.0 - u) * node[0] + u * node[1]) + v * ((1.0 - u) * node[width_] + u * node[width_ + 1]);
 }
 
-double Terrain::RangeToFloor(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
+double UnevenGround::RangeToFloor(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
   const double climb = direction.z() - slope_.dot(direction.head<2>());
   const double level = origin.z() - slope_.dot(origin.head<2>());
   return climb < 0.0 ? std::max(0.0, (level - lowest_ + kFloorMargin) / -climb) : kInfinity;
 }
 
-double Terrain::Descend(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double begin, double max_range,
-                        double offset) const {
+double UnevenGround::Descend(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double begin,
+                             double max_range, double offset) const {
   const Eigen::Vector2d start = (origin.head<2>() - low_) / kNodeSpacing;
   const Eigen::Vector2d step = direction.head<2>() / kNodeSpacing;
   // Over the slope, which is a plane.
@@ -208,8 +209,8 @@ double Terrain::Descend(const Eigen::Vector3d& origin, const Eigen::Vector3d& di
   return kInfinity;
 }
 
-double Terrain::Cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double max_range,
-                     Random* random) const {
+double UnevenGround::Cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double max_range,
+                          Random* random) const {
   const double entry = Descend(origin, direction, 0.0, max_range, max_grass_);
   if (max_grass_ == 0.0 || entry == kInfinity) return entry;
   const double soil = Descend(origin, direction, entry, max_range, 0.0);

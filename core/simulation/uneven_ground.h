@@ -1,5 +1,5 @@
-#ifndef ARBORSLAM_CORE_SIMULATION_TERRAIN_H_
-#define ARBORSLAM_CORE_SIMULATION_TERRAIN_H_
+#ifndef ARBORSLAM_CORE_SIMULATION_UNEVEN_GROUND_H_
+#define ARBORSLAM_CORE_SIMULATION_UNEVEN_GROUND_H_
 
 #include <Eigen/Core>
 #include <array>
@@ -13,7 +13,7 @@
 namespace arborslam {
 
 /// Uneven ground with grass on it.
-struct TerrainOptions {
+struct UnevenGroundOptions {
   double undulation = 0.3;       ///< [m], the ground's long waves stay within this of the slope.
   double wavelength = 30.0;      ///< [m] of the long waves, mean.
   double slope = 0.0;            ///< [deg], of the ground as a whole.
@@ -44,10 +44,11 @@ struct TerrainOptions {
 /// The ground as a height over the plane. Its waves and its slope are smooth functions, which a robot's body follows;
 /// the beams of a lidar see in addition the bumps, on a bilinear grid. The ground is at height 0 in the origin but for
 /// the bumps. Thread-safe.
-class Terrain {
+class UnevenGround {
  public:
   /// `options` must be valid. Beams meet ground on the rectangle from `low` to `high` [m] only.
-  Terrain(const TerrainOptions& options, uint64_t seed, const Eigen::Vector2d& low, const Eigen::Vector2d& high);
+  UnevenGround(const UnevenGroundOptions& options, uint64_t seed, const Eigen::Vector2d& low,
+               const Eigen::Vector2d& high);
 
   /// [m], without the bumps.
   double SmoothHeight(const Eigen::Vector2d& position) const { return slope_.dot(position) + Waves(position); }
@@ -110,9 +111,9 @@ class Terrain {
   std::vector<float> grass_;   // [m] above the ground; empty: none.
   double highest_ = 0.0;       // [m], of the nodes.
   double lowest_ = 0.0;        // [m].
-  std::array<Peaks, 2> peaks_;
+  std::array<Peaks, 3> peaks_;
 };
 
 }  // namespace arborslam
 
-#endif  // ARBORSLAM_CORE_SIMULATION_TERRAIN_H_
+#endif  // ARBORSLAM_CORE_SIMULATION_UNEVEN_GROUND_H_

@@ -1,4 +1,4 @@
-#include "core/simulation/terrain.h"
+#include "core/simulation/uneven_ground.h"
 
 #include <gtest/gtest.h>
 
@@ -16,8 +16,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const Eigen::Vector2d kLow(-60.0, -50.0);
 const Eigen::Vector2d kHigh(60.0, 50.0);
 
-TerrainOptions Flat() {
-  TerrainOptions options;
+UnevenGroundOptions Flat() {
+  UnevenGroundOptions options;
   options.undulation = 0.0;
   options.bumps = 0.0;
   options.grass_height = 0.0;
@@ -30,8 +30,8 @@ Eigen::Vector3d RandomBeam(Random* random) {
   return {std::cos(elevation) * std::cos(bearing), std::cos(elevation) * std::sin(bearing), std::sin(elevation)};
 }
 
-TEST(TerrainTest, BeamsMeetALevelPlaneWhereTheyShould) {
-  const Terrain terrain(Flat(), 1, kLow, kHigh);
+TEST(UnevenGroundTest, BeamsMeetALevelPlaneWhereTheyShould) {
+  const UnevenGround terrain(Flat(), 1, kLow, kHigh);
   Random random(1);
   for (const double degrees : {-90.0, -45.0, -15.0, -5.0, -1.0}) {
     const double elevation = DegToRad(degrees);
@@ -44,11 +44,11 @@ TEST(TerrainTest, BeamsMeetALevelPlaneWhereTheyShould) {
   EXPECT_EQ(terrain.Cast({0.0, 0.0, 0.5}, {0.0, 0.0, 1.0}, 100.0, &random), kInfinity);
 }
 
-TEST(TerrainTest, BeamsMeetASlope) {
-  TerrainOptions options = Flat();
+TEST(UnevenGroundTest, BeamsMeetASlope) {
+  UnevenGroundOptions options = Flat();
   options.slope = 15.0;
   options.slope_direction = 90.0;
-  const Terrain terrain(options, 1, kLow, kHigh);
+  const UnevenGround terrain(options, 1, kLow, kHigh);
   EXPECT_NEAR(terrain.SmoothHeight({3.0, 10.0}), 10.0 * std::tan(DegToRad(15.0)), 1e-12);
   EXPECT_NEAR(terrain.Height({3.0, -10.0}), -10.0 * std::tan(DegToRad(15.0)), 1e-12);
   // A level beam uphill, half a metre above the ground.
@@ -57,14 +57,14 @@ TEST(TerrainTest, BeamsMeetASlope) {
   EXPECT_EQ(terrain.Cast({0.0, 0.0, 0.5}, {0.0, -1.0, 0.0}, 100.0, &random), kInfinity);
 }
 
-TEST(TerrainTest, BeamsOverUnevenGroundAgreeWithBruteForceSampling) {
-  TerrainOptions options = Flat();
+TEST(UnevenGroundTest, BeamsOverUnevenGroundAgreeWithBruteForceSampling) {
+  UnevenGroundOptions options = Flat();
   options.undulation = 0.6;
   options.wavelength = 12.0;
   options.bumps = 0.03;
   options.slope = 4.0;
   options.slope_direction = 30.0;
-  const Terrain terrain(options, 7, kLow, kHigh);
+  const UnevenGround terrain(options, 7, kLow, kHigh);
   Random random(2);
   int hits = 0;
   for (int trial = 0; trial < 1500; ++trial) {
@@ -89,12 +89,12 @@ TEST(TerrainTest, BeamsOverUnevenGroundAgreeWithBruteForceSampling) {
   EXPECT_GT(hits, 500);
 }
 
-TEST(TerrainTest, WavesAreAsHighAsAskedForAndSmooth) {
-  TerrainOptions options = Flat();
+TEST(UnevenGroundTest, WavesAreAsHighAsAskedForAndSmooth) {
+  UnevenGroundOptions options = Flat();
   options.undulation = 0.4;
   options.slope = 10.0;
   options.slope_direction = -45.0;
-  const Terrain terrain(options, 3, kLow, kHigh);
+  const UnevenGround terrain(options, 3, kLow, kHigh);
   EXPECT_NEAR(terrain.SmoothHeight({0.0, 0.0}), 0.0, 1e-15);
   const double rise = std::tan(DegToRad(10.0)) / std::sqrt(2.0);
   double highest = 0.0;
@@ -119,13 +119,13 @@ TEST(TerrainTest, WavesAreAsHighAsAskedForAndSmooth) {
   }
 }
 
-TEST(TerrainTest, GrassStopsBeamsAsOftenAsItsDensitySays) {
-  TerrainOptions options = Flat();
+TEST(UnevenGroundTest, GrassStopsBeamsAsOftenAsItsDensitySays) {
+  UnevenGroundOptions options = Flat();
   options.grass_height = 0.2;
   options.grass_cover = 0.7;
   options.grass_clumps = 0.05;
   options.grass_density = 1.5;
-  const Terrain terrain(options, 5, kLow, kHigh);
+  const UnevenGround terrain(options, 5, kLow, kHigh);
   Random random(6);
   for (int trial = 0; trial < 12; ++trial) {
     const double elevation = DegToRad(random.Uniform(-12.0, -2.0));
@@ -157,12 +157,12 @@ TEST(TerrainTest, GrassStopsBeamsAsOftenAsItsDensitySays) {
   }
 }
 
-TEST(TerrainTest, GrassCoversTheShareAskedFor) {
-  TerrainOptions options = Flat();
+TEST(UnevenGroundTest, GrassCoversTheShareAskedFor) {
+  UnevenGroundOptions options = Flat();
   options.grass_height = 0.1;
   options.grass_cover = 0.3;
   options.grass_clumps = 0.0;
-  const Terrain terrain(options, 5, kLow, kHigh);
+  const UnevenGround terrain(options, 5, kLow, kHigh);
   int grown = 0;
   int places = 0;
   for (double x = -50.0; x < 50.0; x += 0.25) {
@@ -176,32 +176,32 @@ TEST(TerrainTest, GrassCoversTheShareAskedFor) {
   EXPECT_NEAR(static_cast<double>(grown) / places, 0.3, 0.05);
 }
 
-TEST(TerrainTest, FollowsFromItsSeed) {
-  const TerrainOptions options;
-  const Terrain one(options, 1, kLow, kHigh);
-  const Terrain same(options, 1, kLow, kHigh);
-  const Terrain other(options, 2, kLow, kHigh);
+TEST(UnevenGroundTest, FollowsFromItsSeed) {
+  const UnevenGroundOptions options;
+  const UnevenGround one(options, 1, kLow, kHigh);
+  const UnevenGround same(options, 1, kLow, kHigh);
+  const UnevenGround other(options, 2, kLow, kHigh);
   EXPECT_EQ(one.Height({7.3, -2.1}), same.Height({7.3, -2.1}));
   EXPECT_NE(one.Height({7.3, -2.1}), other.Height({7.3, -2.1}));
   EXPECT_NE(one.SmoothHeight({7.3, -2.1}), other.SmoothHeight({7.3, -2.1}));
 }
 
-TEST(TerrainOptionsTest, RefusesWhatCannotBe) {
-  EXPECT_EQ(TerrainOptions().Validate(), "");
-  const auto problem = [](double TerrainOptions::*field, double value) {
-    TerrainOptions options;
+TEST(UnevenGroundOptionsTest, RefusesWhatCannotBe) {
+  EXPECT_EQ(UnevenGroundOptions().Validate(), "");
+  const auto problem = [](double UnevenGroundOptions::*field, double value) {
+    UnevenGroundOptions options;
     options.*field = value;
     return options.Validate();
   };
-  EXPECT_NE(problem(&TerrainOptions::undulation, -0.1), "");
-  EXPECT_NE(problem(&TerrainOptions::wavelength, 0.0), "");
-  EXPECT_NE(problem(&TerrainOptions::slope, 31.0), "");
-  EXPECT_NE(problem(&TerrainOptions::slope_direction, 361.0), "");
-  EXPECT_NE(problem(&TerrainOptions::bumps, 0.3), "");
-  EXPECT_NE(problem(&TerrainOptions::grass_height, -1.0), "");
-  EXPECT_NE(problem(&TerrainOptions::grass_cover, 1.1), "");
-  EXPECT_NE(problem(&TerrainOptions::grass_clumps, -0.1), "");
-  EXPECT_EQ(problem(&TerrainOptions::grass_density, 0.0), "grass_density is 0.0, must lie in (0, 1000]");
+  EXPECT_NE(problem(&UnevenGroundOptions::undulation, -0.1), "");
+  EXPECT_NE(problem(&UnevenGroundOptions::wavelength, 0.0), "");
+  EXPECT_NE(problem(&UnevenGroundOptions::slope, 31.0), "");
+  EXPECT_NE(problem(&UnevenGroundOptions::slope_direction, 361.0), "");
+  EXPECT_NE(problem(&UnevenGroundOptions::bumps, 0.3), "");
+  EXPECT_NE(problem(&UnevenGroundOptions::grass_height, -1.0), "");
+  EXPECT_NE(problem(&UnevenGroundOptions::grass_cover, 1.1), "");
+  EXPECT_NE(problem(&UnevenGroundOptions::grass_clumps, -0.1), "");
+  EXPECT_EQ(problem(&UnevenGroundOptions::grass_density, 0.0), "grass_density is 0.0, must lie in (0, 1000]");
 }
 
 }  // namespace
