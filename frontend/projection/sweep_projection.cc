@@ -266,12 +266,18 @@ void SweepProjection::KeepEdges(float column_width, float least) {
     const Cluster& solid = clusters_[i];
     if (solid.solidity < least) continue;
     const float tolerance = kRangeTolerance + column_width * solid.range;
-    const auto keep = [&](size_t k) {
-      if (clusters_[k].solidity < least && std::abs(clusters_[k].range - solid.range) <= tolerance) edges_.push_back(k);
+    const size_t num_edges = edges_.size();
+    bool is_alone = true;
+    const auto look = [&](size_t k) {
+      if (std::abs(clusters_[k].range - solid.range) > tolerance) return;
+      if (clusters_[k].solidity < least) edges_.push_back(k);
+      if (clusters_[k].solidity >= least && clusters_[k].bin != solid.bin) is_alone = false;
     };
     // The bins of a layer follow one another.
-    for (size_t k = i; k-- > 0 && clusters_[k].bin + 1 >= solid.bin;) keep(k);
-    for (size_t k = i + 1; k < clusters_.size() && clusters_[k].bin <= solid.bin + 1; ++k) keep(k);
+    for (size_t k = i; k-- > 0 && clusters_[k].bin + 1 >= solid.bin;) look(k);
+    for (size_t k = i + 1; k < clusters_.size() && clusters_[k].bin <= solid.bin + 1; ++k) look(k);
+    // Leaves that met at one range by chance.
+    if (is_alone) edges_.resize(num_edges);
   }
   for (const size_t k : edges_) clusters_[k].solidity = least;
 }

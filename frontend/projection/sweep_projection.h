@@ -116,8 +116,9 @@ class SweepProjection {
   float Solidity(const Cluster& cluster, float column_width) const;
   // Fills solid_ and nearest_.
   void FindSolid(float column_width);
-  // Makes what lies beside something solid, one column on and at its range, solid too: the edges of trunks, which
-  // have fewer neighbours, and without which trunks would seem the thinner the farther off they are.
+  // Makes what lies beside something solid of two columns at least, one column on and at its range, solid too: the
+  // edges of trunks, which have fewer neighbours, and without which trunks would seem the thinner the farther off they
+  // are.
   void KeepEdges(float column_width, float least);
   // Fills points_.
   void MakePoints();
