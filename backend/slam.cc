@@ -309,8 +309,10 @@ Trajectory3 Slam::OptimizedTrajectory3() const {
   return trajectory;
 }
 
-OccupancyGrid Slam::BuildMap() const {
-  OccupancyGrid map(options_.grid);
+OccupancyGrid Slam::BuildMap(double cell_size) const {
+  OccupancyGridOptions options = options_.grid;
+  if (cell_size > 0.0) options.cell_size = cell_size;
+  OccupancyGrid map(options);
   for (const Keyframe& keyframe : keyframes_) {
     if (keyframe.is_inserted) map.Insert(graph_.Pose(keyframe.id), keyframe.scan);
   }

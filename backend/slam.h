@@ -101,7 +101,8 @@ class Slam {
   Trajectory3 OptimizedTrajectory3() const;
 
   /// All clean scans at their present poses, in the map frame. Needs at least one.
-  OccupancyGrid BuildMap() const;
+  /// @param cell_size [m]; 0: that of the maps that scans are matched to.
+  OccupancyGrid BuildMap(double cell_size = 0.0) const;
 
   const PoseGraph& graph() const { return graph_; }
   const std::vector<Keyframe>& keyframes() const { return keyframes_; }

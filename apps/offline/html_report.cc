@@ -270,6 +270,8 @@ Json Times(const RunRecord& record) {
           {"loop_search_ms", record.finish.loop_ms},
           {"optimization_ms", record.finish.optimize_ms},
           {"map_refinement_ms", record.finish.refine_ms},
+          {"terrain_ms", record.finish.terrain_ms},
+          {"second_pass_ms", record.maps_ms},
           {"run_ms", 1000.0 * record.wall_seconds}};
 }
 

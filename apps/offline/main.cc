@@ -15,12 +15,17 @@
 #include <system_error>
 #include <thread>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "apps/common/program.h"
 #include "apps/common/progress_bar.h"
+#include "apps/offline/cloud.h"
+#include "apps/offline/footprints.h"
 #include "apps/offline/html_report.h"
 #include "apps/offline/map_picture.h"
+#include "apps/offline/offline_options.h"
+#include "apps/offline/second_pass.h"
 #include "apps/offline/summary.h"
 #include "backend/slam.h"
 #include "core/config/config_schema.h"
@@ -28,10 +33,12 @@
 #include "core/io/atomic_file.h"
 #include "core/io/g2o.h"
 #include "core/io/map_io.h"
+#include "core/io/ply.h"
 #include "core/io/png.h"
 #include "core/io/scan_source.h"
 #include "core/io/text_reader.h"
 #include "core/io/trajectory_io.h"
+#include "core/map/height_colours.h"
 #include "core/stopwatch.h"
 
 DEFINE_string(input, "", "recording to process");
@@ -52,7 +59,8 @@ constexpr char kUsage[] =
 Smooths a recorded run: matches every scan, closes loops, and writes the trajectory and the map into DIR. The same input
 and options give the same results, bit by bit, for any number of threads.
 
-  --input PATH           recording: a .npz file with scan0 (N x B ranges [m]) and time (N stamps [s])
+  --input PATH           recording: a folder of 3D sweeps (KITTI .bin, .pcd or .ply, with timestamps.txt or times.txt),
+                         or a .npz file of planar scans: scan0 (N x B ranges [m]) and time (N stamps [s])
   --output DIR           created if it does not exist
   --config FILE.yaml     options; config/default.yaml lists them all
   --set SECTION.KEY=VALUE ...
@@ -65,18 +73,19 @@ and options give the same results, bit by bit, for any number of threads.
   --help, --version
 
 Writes trajectory.tum (optimised pose of every scan used), odometry.tum (the causal estimate, as known when the scan came),
-map.pgm + map.yaml (ROS map_server), map.png, graph.g2o, summary.json (counts, rejected scans with reasons, loops, times,
+map.pgm + map.yaml (ROS map_server), map.png, cloud.ply (3D map, from 3D sweeps), graph.g2o, summary.json (counts, rejected scans with reasons, loops, times,
 memory, errors), report.html (all of this for the browser, in one file) and effective_config.yaml. A pose's stamp is the
-middle of its sweep. Ctrl-C ends the reading early and keeps what there is (exit code 130), a second one ends the program
-at once.
+middle of its sweep. Ctrl-C ends the reading early and keeps what there is (exit code 130), but makes no 3D map; a second
+one ends the program at once.
 )";
 
 // After an interruption the exit code is this and the signal's number, as shells have it.
 constexpr int kExitSignalled = 128;
 
-constexpr std::array<const char*, 9> kResultFiles = {"trajectory.tum", "odometry.tum", "map.yaml",
-                                                     "map.pgm",        "map.png",      "graph.g2o",
-                                                     "summary.json",   "report.html",  "effective_config.yaml"};
+constexpr char kCloudFile[] = "cloud.ply";
+constexpr std::array<const char*, 10> kResultFiles = {
+    "trajectory.tum", "odometry.tum", "map.yaml",     "map.pgm",     "map.png",
+    kCloudFile,       "graph.g2o",    "summary.json", "report.html", "effective_config.yaml"};
 
 // The signal that asks for an early end, or 0. A handler can reach nothing else.
 volatile std::sig_atomic_t g_signal = 0;
@@ -129,20 +138,23 @@ StampedPose3 ToStampedPose3(const ScanResult& result) {
   return {result.stamp, T_odom_lidar.translation(), Eigen::Quaterniond(T_odom_lidar.linear()).normalized()};
 }
 
-// Feeds the recording to `slam`; fills the record's scans and the causal trajectory.
-void Track(ScanSource* source, Slam* slam, RunRecord* record, Trajectory3* odometry) {
+// Feeds the recording to `slam`; fills the record's scans and the causal trajectory. True if the scans are in space.
+bool Track(ScanSource* source, Slam* slam, RunRecord* record, Trajectory3* odometry) {
   std::optional<size_t> total = source->NumScans();
   if (total && FLAGS_max_scans > 0) total = std::min(*total, static_cast<size_t>(FLAGS_max_scans));
   ProgressBar progress(std::cerr, total, StderrIsTerminal() && !FLAGS_quiet);
+  bool has_sweeps = false;
   while (g_signal == 0 && (FLAGS_max_scans == 0 || record->scans.size() < static_cast<size_t>(FLAGS_max_scans))) {
     const std::optional<Scan> scan = source->Next();
     if (!scan) break;
+    has_sweeps = std::holds_alternative<LidarSweep>(*scan);
     record->scans.push_back(std::visit([slam](const auto& any) { return slam->AddScan(any); }, *scan));
     const ScanResult& result = record->scans.back();
     if (result.status != ScanStatus::kSkipped) odometry->poses.push_back(ToStampedPose3(result));
     progress.Update(record->scans.size());
   }
   record->is_interrupted = g_signal != 0;
+  return has_sweeps;
 }
 
 // Corrects the stamps by what the run told of the sweeps' duration, and says what that is.
@@ -214,27 +226,85 @@ std::vector<ScoreGate> ScoreGates(const SlamOptions& options) {
           {options.matcher.max_score, "rejected (matcher.max_score)"}};
 }
 
+// What comes of the run besides trajectories.
+struct Maps {
+  GridImage plane;
+  std::vector<Eigen::Vector3f> cloud;  // Empty if there is none.
+};
+
+// Reads a recording of sweeps again for the maps that need all of their points. What it cannot make is left as it is,
+// and why goes to the record's notices: a run is not to be lost for it.
+void RefineMaps(const Slam& slam, const OfflineOptions& options, RunRecord* record, Maps* maps) {
+  std::optional<Cloud> cloud;
+  if (options.cloud.enabled) cloud.emplace(options.cloud, options.slam.reduction.deskew);
+  std::optional<Footprints> footprints;
+  if (options.map.resolution > 0.0 && options.map.resolution < options.slam.grid.cell_size) {
+    footprints.emplace(maps->plane, options.map, options.slam);
+  }
+  if (!cloud && !footprints) return;
+  Stopwatch stopwatch;
+  std::string problem;
+  try {
+    ProgressBar progress(std::cerr, record->scans.size(), StderrIsTerminal() && !FLAGS_quiet);
+    const bool is_whole = g_signal == 0 && VisitMatchedSweeps(
+                                               OpenScanSource(FLAGS_input, options.input).get(), record->scans,
+                                               slam.OptimizedTrajectory3(),
+                                               [&](const PosedSweep& sweep) {
+                                                 if (cloud) cloud->Add(sweep);
+                                                 if (footprints) footprints->Add(sweep);
+                                               },
+                                               [&progress](size_t num_read) {
+                                                 progress.Update(num_read);
+                                                 return g_signal == 0;
+                                               });
+    if (is_whole) {
+      if (footprints) maps->plane = footprints->Image();
+      if (cloud) maps->cloud = cloud->Points();
+    } else {
+      problem = "interrupted";
+      record->maps_are_whole = false;
+    }
+  } catch (const UserError& error) {
+    problem = error.what();
+  }
+  record->maps_ms = stopwatch.Lap();
+  if (!maps->cloud.empty()) {
+    record->cloud = CloudRecord{cloud->num_sweeps(), maps->cloud.size(), cloud->voxel_size()};
+  } else if (cloud && problem.empty()) {
+    problem = "no place was met by as many sweeps as cloud.min_sweeps asks for";
+  }
+  if (problem.empty()) return;
+  record->notices.push_back((cloud ? "No 3D map" : "The map is coarser than map.resolution") + (": " + problem) + ".");
+  if (!FLAGS_quiet) std::cerr << "note: " << record->notices.back() << "\n";
+}
+
 void WriteResults(const std::filesystem::path& folder, const SlamOptions& options, const Slam& slam,
-                  const Trajectory3& odometry, const RunRecord& record, const std::string& effective_config) {
+                  const Trajectory3& odometry, const Maps& maps, const RunRecord& record,
+                  const std::string& effective_config) {
   const Trajectory3 trajectory = slam.OptimizedTrajectory3();
-  const GridImage map = ToGridImage(slam.BuildMap());
   WriteTum((folder / "trajectory.tum").string(), trajectory);
   WriteTum((folder / "odometry.tum").string(), odometry);
-  WriteMapServer((folder / "map.yaml").string(), map);
-  WritePng((folder / "map.png").string(), DrawMap(map, slam.OptimizedTrajectory()));
+  WriteMapServer((folder / "map.yaml").string(), maps.plane);
+  WritePng((folder / "map.png").string(), DrawMap(maps.plane, slam.OptimizedTrajectory()));
+  if (maps.cloud.empty()) {
+    // An earlier run's would be taken for this one's.
+    std::error_code error;
+    std::filesystem::remove(folder / kCloudFile, error);
+  } else {
+    WritePly((folder / kCloudFile).string(), maps.cloud, ColourByHeight(maps.cloud));
+  }
   WriteG2o((folder / "graph.g2o").string(), ToG2o(slam));
   WriteFileAtomically((folder / "effective_config.yaml").string(), effective_config);
   WriteFileAtomically((folder / "summary.json").string(), SummaryJson(record));
-  const ReportInput report{record, slam.submaps(), effective_config, &map, trajectory, odometry, ScoreGates(options)};
+  const ReportInput report{record,     slam.submaps(), effective_config,   &maps.plane,
+                           trajectory, odometry,       ScoreGates(options)};
   WriteFileAtomically((folder / "report.html").string(), HtmlReport(report));
 }
 
 int Run(const MultiFlags& multi_flags) {
   CheckFlags();
-  SlamOptions options;
-  SweepFolderOptions input_options;
+  OfflineOptions options;
   ConfigSchema schema;
-  schema.AddSection("input", &input_options);
   options.VisitSections([&schema](const std::string& name, auto& section) { schema.AddSection(name, &section); });
   if (!FLAGS_config.empty()) schema.LoadYamlFile(FLAGS_config);
   for (const std::string& assignment : multi_flags.at("set")) schema.ApplyOverride(assignment);
@@ -242,7 +312,7 @@ int Run(const MultiFlags& multi_flags) {
 
   std::optional<Trajectory3> reference;
   if (!FLAGS_ground_truth.empty()) reference = ReadTrajectory(FLAGS_ground_truth);
-  const std::unique_ptr<ScanSource> source = OpenScanSource(FLAGS_input, input_options);
+  const std::unique_ptr<ScanSource> source = OpenScanSource(FLAGS_input, options.input);
   const std::filesystem::path folder = PrepareOutput();
 
   RunRecord record;
@@ -257,13 +327,20 @@ int Run(const MultiFlags& multi_flags) {
   std::signal(SIGINT, &OnSignal);
   std::signal(SIGTERM, &OnSignal);
   Stopwatch stopwatch;
-  Slam slam(options, record.num_threads);
+  Slam slam(options.slam, record.num_threads);
   Trajectory3 odometry;
-  Track(source.get(), &slam, &record, &odometry);
+  const bool has_sweeps = Track(source.get(), &slam, &record, &odometry);
   RequireKeyframes(slam, record);
   record.finish = slam.Finish(FLAGS_odometry_only);
   if (record.finish.sweep_duration) TakeDuration(*record.finish.sweep_duration, &record, &odometry);
   record.num_submaps = slam.submaps().size();
+  Maps maps;
+  if (has_sweeps) {
+    maps.plane = ToGridImage(slam.BuildMap());
+    RefineMaps(slam, options, &record, &maps);
+  } else {
+    maps.plane = ToGridImage(slam.BuildMap(options.map.resolution));
+  }
   record.wall_seconds = stopwatch.Lap() / 1000.0;
   std::string reference_problem;
   if (reference) reference_problem = EvaluateRun(slam.OptimizedTrajectory3(), odometry, *reference, &record);
@@ -271,11 +348,15 @@ int Run(const MultiFlags& multi_flags) {
   // Writing takes moments, and an end amid them would leave temporary files.
   std::signal(SIGINT, SIG_IGN);
   std::signal(SIGTERM, SIG_IGN);
-  WriteResults(folder, options, slam, odometry, record, schema.ToYaml());
+  WriteResults(folder, options.slam, slam, odometry, maps, record, schema.ToYaml());
   if (!FLAGS_quiet) std::cout << SummaryText(record) << "results in " << folder.string() << "\n" << std::flush;
   if (record.is_interrupted) {
     std::cerr << "arborslam_offline: interrupted after " << record.scans.size() << " scans; the results in "
               << folder.string() << " cover these\n";
+    return kExitSignalled + g_signal;
+  }
+  if (!record.maps_are_whole) {
+    std::cerr << "arborslam_offline: interrupted; the maps in " << folder.string() << " are not whole\n";
     return kExitSignalled + g_signal;
   }
   if (!reference_problem.empty()) {

@@ -94,11 +94,19 @@ std::string SummaryJson(const RunRecord& record) {
   summary["loops"]["refinement_passes"] = passes;
   summary["loops"]["candidates"] = candidates;
 
+  if (record.cloud) {
+    summary["cloud"] = {{"sweeps", record.cloud->num_sweeps},
+                        {"points", record.cloud->num_points},
+                        {"voxel_size_m", record.cloud->voxel_size}};
+  }
+
   Json times{{"scan_total", Stage(OverPosedScans(record, &TotalMs))}};
   for (const StageField& field : StageFields()) times[field.key] = Stage(OverPosedScans(record, field.time_ms));
   times["loop_search"] = record.finish.loop_ms;
   times["map_refinement"] = record.finish.refine_ms;
   times["optimization"] = record.finish.optimize_ms;
+  times["terrain"] = record.finish.terrain_ms;
+  times["second_pass"] = record.maps_ms;
   times["run"] = 1000.0 * record.wall_seconds;
   summary["time_ms"] = times;
   summary["peak_memory_mib"] = PeakMemoryMib();
@@ -118,16 +126,17 @@ std::string SummaryText(const RunRecord& record) {
   const double share =
       totals.empty() ? 0.0 : 100.0 * static_cast<double>(counts.rejected) / static_cast<double>(totals.size());
   char text[1024];
-  std::snprintf(text, sizeof(text),
-                "%zu scans: %zu matched (%zu of them too spoilt for the map), %zu rejected (%.1f %%), %zu skipped\n"
-                "%zu submaps, %zu of %zu loops accepted\n"
-                "time per scan: median %.2f ms, p95 %.2f ms; loops and optimisation %.2f s; whole run %.2f s\n"
-                "peak memory %.0f MiB\n",
-                record.scans.size(), counts.matched, counts.spoilt, counts.rejected, share, counts.skipped,
-                record.num_submaps, counts.loops_accepted, record.finish.loops.size(), Percentile(totals, 0.5),
-                Percentile(totals, 0.95),
-                (record.finish.loop_ms + record.finish.optimize_ms + record.finish.refine_ms) / 1000.0,
-                record.wall_seconds, PeakMemoryMib());
+  std::snprintf(
+      text, sizeof(text),
+      "%zu scans: %zu matched (%zu of them too spoilt for the map), %zu rejected (%.1f %%), %zu skipped\n"
+      "%zu submaps, %zu of %zu loops accepted\n"
+      "time per scan: median %.2f ms, p95 %.2f ms; loops and optimisation %.2f s; maps %.2f s; whole run %.2f "
+      "s\n"
+      "peak memory %.0f MiB\n",
+      record.scans.size(), counts.matched, counts.spoilt, counts.rejected, share, counts.skipped, record.num_submaps,
+      counts.loops_accepted, record.finish.loops.size(), Percentile(totals, 0.5), Percentile(totals, 0.95),
+      (record.finish.loop_ms + record.finish.optimize_ms + record.finish.refine_ms) / 1000.0, record.maps_ms / 1000.0,
+      record.wall_seconds, PeakMemoryMib());
   std::string result = text;
   if (record.errors) {
     const auto line = [&](const char* name, const TrajectoryMetrics& metrics) {

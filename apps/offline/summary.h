@@ -17,6 +17,13 @@ struct RunErrors {
   size_t unmatched_poses = 0;       ///< Poses without a partner in the reference.
 };
 
+/// What became of the 3D map.
+struct CloudRecord {
+  size_t num_sweeps = 0;    ///< That it was made of.
+  size_t num_points = 0;    ///< 0: there is none.
+  double voxel_size = 0.0;  ///< [m]
+};
+
 /// All that summary.json tells.
 struct RunRecord {
   std::string input;
@@ -26,6 +33,9 @@ struct RunRecord {
   std::vector<std::string> notices;  ///< Of the reader.
   std::vector<ScanResult> scans;     ///< In the order of the file.
   FinishResult finish;
+  std::optional<CloudRecord> cloud;  ///< None if none was made.
+  bool maps_are_whole = true;        ///< False: the second reading was interrupted.
+  double maps_ms = 0.0;              ///< [ms], the second reading and the maps made from it.
   size_t num_submaps = 0;
   double wall_seconds = 0.0;
   std::optional<RunErrors> errors;

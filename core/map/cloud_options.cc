@@ -11,7 +11,7 @@ std::string CloudOptions::Validate() const {
   if (!(max_range > min_range && max_range <= 1000.0)) {
     return Violation("max_range", max_range, "lie in (min_range, 1000] m");
   }
-  if (every_nth_sweep < 1) return Violation("every_nth_sweep", every_nth_sweep, "be at least 1");
+  if (every_nth_sweep < 0) return Violation("every_nth_sweep", every_nth_sweep, "be at least 0");
   if (max_voxels < 1000 || max_voxels > 1000000000) {
     return Violation("max_voxels", max_voxels, "lie in [1000, 1000000000]");
   }

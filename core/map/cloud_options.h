@@ -12,7 +12,7 @@ struct CloudOptions {
   int min_sweeps = 3;        ///< A voxel that fewer sweeps met is left out: people who passed, leaves in the wind.
   double min_range = 0.5;    ///< [m], nearer returns are the robot itself.
   double max_range = 20.0;   ///< [m], farther returns are left out: what is left of the tilt's error blurs them.
-  int every_nth_sweep = 1;   ///< Sweeps between two that are used, plus one; more than 1 saves time.
+  int every_nth_sweep = 0;   ///< Every so many sweeps one is used; 0: those of clean keyframes.
   int max_voxels = 4000000;  ///< About 50 bytes each; a map that would hold more goes on with cubes twice the size.
 
   std::string Validate() const;

@@ -1429,7 +1429,8 @@
       { text: "Stage", show: (row) => row[0] },
       { text: "Time", show: (row) => milliseconds(row[1]), number: true },
     ], [["search for loops", times.loop_search_ms], ["optimisation of the graph", times.optimization_ms],
-      ["matching to the corrected map", times.map_refinement_ms], Object.assign(["whole run, with reading", times.run_ms], { isTotal: true })],
+      ["matching to the corrected map", times.map_refinement_ms], ["heights and tilts", times.terrain_ms],
+      ["second reading, for the maps", times.second_pass_ms], Object.assign(["whole run, with reading", times.run_ms], { isTotal: true })],
     { plain: true });
     byId("times-section").hidden = false;
   }

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "backend/slam_options.h"
+#include "apps/offline/offline_options.h"
 #include "core/config/config_schema.h"
 
 namespace arborslam {
@@ -29,7 +29,7 @@ std::vector<fs::path> Presets() {
   return presets;
 }
 
-void AddSections(SlamOptions* options, ConfigSchema* schema) {
+void AddSections(OfflineOptions* options, ConfigSchema* schema) {
   options->VisitSections([schema](const std::string& name, auto& section) { schema->AddSection(name, &section); });
 }
 
@@ -55,7 +55,7 @@ TEST(PresetsTest, EveryPresetIsValid) {
   const std::vector<fs::path> presets = Presets();
   EXPECT_GE(presets.size(), 2u);
   for (const fs::path& preset : presets) {
-    SlamOptions options;
+    OfflineOptions options;
     ConfigSchema schema;
     AddSections(&options, &schema);
     EXPECT_NO_THROW({
@@ -66,7 +66,7 @@ TEST(PresetsTest, EveryPresetIsValid) {
 }
 
 TEST(PresetsTest, TheDefaultsAreThoseOfTheCode) {
-  SlamOptions options;
+  OfflineOptions options;
   ConfigSchema schema;
   AddSections(&options, &schema);
   const std::string before = schema.ToYaml();
@@ -76,7 +76,7 @@ TEST(PresetsTest, TheDefaultsAreThoseOfTheCode) {
 }
 
 TEST(PresetsTest, TheDefaultsNameEverySectionAndKeyInTheOrderOfTheCode) {
-  SlamOptions options;
+  OfflineOptions options;
   ConfigSchema schema;
   AddSections(&options, &schema);
   const auto names = [](const std::vector<std::string>& lines) {

@@ -25,7 +25,7 @@ TEST(CloudOptionsTest, NamesTheKeyThatIsOutOfRange) {
   options.max_range = options.min_range;
   EXPECT_THAT(options.Validate(), StartsWith("max_range"));
   options = {};
-  options.every_nth_sweep = 0;
+  options.every_nth_sweep = -1;
   EXPECT_THAT(options.Validate(), StartsWith("every_nth_sweep"));
   options = {};
   options.max_voxels = 8;
