@@ -46,15 +46,29 @@ ScanResult Slam::AddScan(const LidarSweep& sweep) {
   if (IsOutOfOrder(&result)) return result;
   Stopwatch stopwatch;
   const SE2 prediction = Predict(result.stamp);
-  ReducedSweep reduced = reducer_.Reduce(sweep, prediction, Velocity());
+  PlanarVelocity velocity = Velocity();
+  if (sweep.is_duration_guessed && sweep.duration > 0.0) {
+    if (!duration_guess_) {
+      duration_guess_ = DurationGuess{sweep.duration, sweep.stamp_phase};
+      duration_ = sweep.duration;
+    }
+    // As fast as it must be for the way of the sweep's real duration.
+    const double share = duration_ / sweep.duration;
+    velocity = {share * velocity.linear, share * velocity.angular};
+  }
+  ReducedSweep reduced = reducer_.Reduce(sweep, prediction, velocity);
   result.tilt = reduced.tilt;
   result.has_ground = reduced.has_ground;
   result.num_moving = reduced.num_moving;
   result.project_ms = stopwatch.Lap();
+  // Nothing else needs them.
+  std::vector<float> phases = std::move(reduced.planar.phases);
+  reduced.planar.phases.clear();
   AddPlanarScan(reduced.planar, prediction, &result);
   if (result.status == ScanStatus::kSkipped) return result;
   stopwatch.Lap();
   reducer_.Commit(reduced, result.T_odom_base);
+  if (sweep.is_duration_guessed) AddToDuration(sweep, std::move(phases), reduced, result);
   PosedScan& scan = scans_.back();
   scan.tilt = reduced.tilt;
   scan.local_tilt = reduced.local_tilt;
@@ -186,6 +200,7 @@ void Slam::TrimWindow() {
 
 FinishResult Slam::Finish(bool odometry_only) {
   FinishResult result;
+  result.sweep_duration = FinishDuration();
   for (Submap& submap : tracker_.FinishAll()) submaps_.push_back(std::move(submap));
   Stopwatch stopwatch;
   if (odometry_only || keyframes_.empty()) {
@@ -214,6 +229,35 @@ FinishResult Slam::Finish(bool odometry_only) {
   }
   FinishTerrain();
   result.terrain_ms = stopwatch.Lap();
+  return result;
+}
+
+void Slam::AddToDuration(const LidarSweep& sweep, std::vector<float> phases, const ReducedSweep& reduced,
+                         const ScanResult& result) {
+  TimedSweep timed;
+  timed.stamp = result.stamp;
+  timed.points = reduced.planar.points;
+  timed.phases = std::move(phases);
+  timed.deskewing = reduced.deskewing;
+  timed.deskewing_duration = sweep.duration;
+  timed.T_odom_base = result.T_odom_base;
+  timed.is_matched = result.status == ScanStatus::kMatched && result.match.score <= options_.tracker.max_insert_score;
+  if (!duration_estimator_.Add(std::move(timed))) return;
+  const std::optional<double> found =
+      DecideSweepDuration(duration_estimator_.Estimate(), duration_estimator_.MedianStep());
+  if (found) duration_ = *found;
+}
+
+std::optional<SweepDurationResult> Slam::FinishDuration() {
+  if (!duration_guess_) return std::nullopt;
+  SweepDurationResult result;
+  result.estimate = duration_estimator_.Estimate();
+  const std::optional<double> found = DecideSweepDuration(result.estimate, duration_estimator_.MedianStep());
+  result.is_found = found.has_value();
+  result.seconds = found.value_or(duration_guess_->seconds);
+  result.stamp_shift = (0.5 - duration_guess_->stamp_phase) * (result.seconds - duration_guess_->seconds);
+  for (PosedScan& scan : scans_) scan.stamp += result.stamp_shift;
+  for (Keyframe& keyframe : keyframes_) keyframe.scan.stamp += result.stamp_shift;
   return result;
 }
 

@@ -1,6 +1,7 @@
 #ifndef ARBORSLAM_BACKEND_SLAM_H_
 #define ARBORSLAM_BACKEND_SLAM_H_
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "core/sensor/lidar_sweep.h"
 #include "core/sensor/stamped_pose.h"
 #include "core/sensor/trajectory3.h"
+#include "frontend/tracking/sweep_duration.h"
 #include "frontend/tracking/sweep_reducer.h"
 #include "frontend/tracking/tracker.h"
 
@@ -31,7 +33,7 @@ enum class ScanStatus {
 
 /// One scan's result, as known when it came.
 struct ScanResult {
-  double stamp = 0.0;  ///< [s], the middle of the sweep.
+  double stamp = 0.0;  ///< [s], the middle of the sweep as it was taken to be then.
   ScanStatus status = ScanStatus::kSkipped;
   std::string reason;          ///< Why the scan was not matched; empty if it was.
   SE2 T_odom_base;             ///< The window's estimate; meaningless when skipped.
@@ -49,9 +51,19 @@ struct ScanResult {
   double insert_ms = 0.0;   ///< Maps.
 };
 
+/// How long the sweeps of a recording last that does not tell (`LidarSweep::is_duration_guessed`).
+struct SweepDurationResult {
+  double seconds = 0.0;
+  bool is_found = false;  ///< From the motion; false: that did not tell, `seconds` is the guess of the sweeps.
+  SweepDurationEstimate estimate;
+  /// [s], by how much stamps of poses are later than `ScanResult` said, for the middles of the sweeps lie elsewhere.
+  double stamp_shift = 0.0;
+};
+
 /// What the end of an offline run did.
 struct FinishResult {
-  std::vector<LoopCandidate> loops;  ///< Every pair that was tried.
+  std::optional<SweepDurationResult> sweep_duration;  ///< Nothing when the sweeps told it.
+  std::vector<LoopCandidate> loops;                   ///< Every pair that was tried.
   PoseGraphSummary loop_optimization;
   std::vector<PoseGraphSummary> refinements;  ///< One per pass.
   // [ms]
@@ -64,7 +76,9 @@ struct FinishResult {
 /// Lidar-only SLAM in the plane (design section 3): scans go in one at a time, each is matched to the active submaps
 /// and smoothed in a sliding window; `Finish` closes loops, optimises the graph and refines it against the corrected
 /// map. Sweeps in space are first stood upright and projected; their heights and tilts are smoothed over the terrain at
-/// the end. For one thread; equal inputs and options give equal results to the last bit, whatever `num_threads`.
+/// the end. A sweep's duration that is a guess is found from the motion: deskewing goes by it as soon as it is known,
+/// the stamps of poses at the end. For one thread; equal inputs and options give equal results to the last bit,
+/// whatever `num_threads`.
 class Slam {
  public:
   /// @param options     valid ones, see the sections' `Validate`.
@@ -77,7 +91,8 @@ class Slam {
   /// The same for a sweep in space. A run takes scans of one kind only.
   ScanResult AddScan(const LidarSweep& sweep);
 
-  /// Ends the run; no scan may follow. With `odometry_only` no loops are closed and nothing is matched again.
+  /// Ends the run; no scan may follow. Stamps of poses are those of the sweeps' real middles from here on. With
+  /// `odometry_only` no loops are closed and nothing is matched again.
   FinishResult Finish(bool odometry_only);
 
   /// Poses T_map_base of all scans that were not skipped: after `Finish` the optimised ones, before it the window's.
@@ -113,6 +128,11 @@ class Slam {
   void AddPlanarScan(const PlanarScan& planar, const SE2& prediction, ScanResult* result);
   // The planar velocity between the last two scans.
   PlanarVelocity Velocity() const;
+  // Learns from a sweep how long sweeps last.
+  void AddToDuration(const LidarSweep& sweep, std::vector<float> phases, const ReducedSweep& reduced,
+                     const ScanResult& result);
+  // Settles how long sweeps last, if they did not tell, and shifts all stamps accordingly.
+  std::optional<SweepDurationResult> FinishDuration();
   // Heights and tilts of all sweeps over the planar poses as they are now.
   void FinishTerrain();
 
@@ -137,6 +157,14 @@ class Slam {
   std::vector<Keyframe> keyframes_;
   std::vector<Submap> submaps_;  // Finished ones.
   std::vector<PosedScan> scans_;
+  SweepDurationEstimator duration_estimator_;  // For sweeps whose duration is a guess.
+  // What these sweeps say of themselves.
+  struct DurationGuess {
+    double seconds;
+    double stamp_phase;
+  };
+  std::optional<DurationGuess> duration_guess_;
+  double duration_ = 0.0;  // [s], that they are taken to last at present.
 };
 
 }  // namespace arborslam

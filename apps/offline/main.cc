@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <iostream>
@@ -35,6 +36,7 @@
 #include "core/io/ply.h"
 #include "core/io/png.h"
 #include "core/io/scan_source.h"
+#include "core/io/text_reader.h"
 #include "core/io/trajectory_io.h"
 #include "core/map/height_colours.h"
 #include "core/stopwatch.h"
@@ -153,6 +155,19 @@ bool Track(ScanSource* source, Slam* slam, RunRecord* record, Trajectory3* odome
   }
   record->is_interrupted = g_signal != 0;
   return has_sweeps;
+}
+
+// Corrects the stamps by what the run told of the sweeps' duration, and says what that is.
+void TakeDuration(const SweepDurationResult& duration, RunRecord* record, Trajectory3* odometry) {
+  for (ScanResult& scan : record->scans) scan.stamp += duration.stamp_shift;
+  for (StampedPose3& pose : odometry->poses) pose.stamp += duration.stamp_shift;
+  const std::string seconds = ShortestText(std::round(duration.seconds * 1e3) / 1e3) + " s";
+  record->notices.push_back(duration.is_found
+                                ? "Sweeps are taken to last " + seconds + ": found from the motion within " +
+                                      std::to_string(duration.estimate.num_sweeps) + " sweeps."
+                                : "The motion does not tell how long a sweep lasts; it stays at " + seconds +
+                                      " (option input.sweep_duration).");
+  if (!FLAGS_quiet) std::cerr << "note: " << record->notices.back() << "\n";
 }
 
 void RequireKeyframes(const Slam& slam, const RunRecord& record) {
@@ -317,6 +332,7 @@ int Run(const MultiFlags& multi_flags) {
   const bool has_sweeps = Track(source.get(), &slam, &record, &odometry);
   RequireKeyframes(slam, record);
   record.finish = slam.Finish(FLAGS_odometry_only);
+  if (record.finish.sweep_duration) TakeDuration(*record.finish.sweep_duration, &record, &odometry);
   record.num_submaps = slam.submaps().size();
   Maps maps;
   if (has_sweeps) {

@@ -333,10 +333,13 @@ void SweepFolder::FindDuration(double span) {
     duration_ = is_turning_on ? of_stamps.median_step : span;
   } else {
     duration_ = of_stamps.seconds;
+    is_duration_guessed_ = of_stamps.is_assumed;
     if (of_stamps.is_assumed && of_stamps.median_step > 0.0) {
-      notices_.push_back("The stamps are " + RoundedText(of_stamps.median_step) +
-                         " s apart, longer than a sweep lasts; each sweep is taken to last " + RoundedText(duration_) +
-                         " s (option sweep_duration).");
+      notices_.push_back(
+          "The stamps are " + RoundedText(of_stamps.median_step) +
+          " s apart, longer than most lidars' sweeps last; until the motion tells how long, each is taken to "
+          "last " +
+          RoundedText(duration_) + " s (option input.sweep_duration).");
     }
   }
   max_span_ = kMaxSpan * std::max(duration_, span);
@@ -368,9 +371,10 @@ std::optional<Scan> SweepFolder::Next() {
   }
   sweep.duration = span ? std::max(duration_, span->last - point_start) : duration_;
   if (!is_start_told) {
-    const double into_sweep = options_.stamp == "start" ? 0.0 : options_.stamp == "middle" ? 0.5 : 1.0;
-    start = stamp - into_sweep * sweep.duration;
+    sweep.stamp_phase = options_.stamp == "start" ? 0.0 : options_.stamp == "middle" ? 0.5 : 1.0;
+    start = stamp - sweep.stamp_phase * sweep.duration;
   }
+  sweep.is_duration_guessed = is_duration_guessed_;
   sweep.start = start;
   next_start_ = start + sweep.duration;
   if (span) {

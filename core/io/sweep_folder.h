@@ -33,7 +33,8 @@ namespace arborslam {
 ///
 /// A sweep lasts as long as `SweepFolderOptions::sweep_duration` says; else as its points' times span, or a step of the
 /// stamps where that is little longer (a lidar that turns without a pause and misses returns at the ends); without
-/// times as the stamps tell (`SweepDurationFromStamps`). It lasts longer where its own times do.
+/// times as the stamps tell (`SweepDurationFromStamps`), and if they do not, its duration is a mere guess. It lasts
+/// longer where its own times do.
 ///
 /// One sweep is in memory at a time. Sweeps without points and sweeps whose stamp is not later than the one before are
 /// given like all others.
@@ -74,8 +75,9 @@ class SweepFolder : public ScanSource {
   std::vector<double> stamps_;  // [s], one a file; empty when the times of the points tell them.
   PointClock point_clock_ = PointClock::kNone;
   PointTimeFormat point_time_format_;
-  double duration_ = 0.0;    // [s]
-  double max_span_ = 0.0;    // [s], of the times of a sweep.
+  double duration_ = 0.0;  // [s]
+  double max_span_ = 0.0;  // [s], of the times of a sweep.
+  bool is_duration_guessed_ = false;
   double next_start_ = 0.0;  // [s], of a sweep without stamp and times.
   size_t next_ = 0;
   std::vector<std::string> notices_;

@@ -12,6 +12,11 @@ namespace arborslam {
 struct LidarSweep {
   double start = 0.0;     ///< [s], when the sweep began. A pose that belongs to the sweep is stamped at its middle.
   double duration = 0.0;  ///< [s], how long it took: at least 0 and any of `times`.
+  /// True: nothing in the recording told `duration`. It is the same in all sweeps of the recording then, and there are
+  /// no `times`.
+  bool is_duration_guessed = false;
+  /// The moment of the sweep that its stamp named, as a share of the duration; what `start` was computed from.
+  double stamp_phase = 0.0;
   std::vector<Eigen::Vector3f> points;  ///< [m], finite, none at the origin, in the order of the file.
   std::vector<float> times;             ///< [s] since `start`, one per point; empty when the recording has no times.
   size_t num_dropped = 0;               ///< Points of the record that were infinite, not a number, or at the origin.

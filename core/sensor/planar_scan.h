@@ -8,9 +8,11 @@ namespace arborslam {
 
 /// What the matcher and the maps eat: a sweep reduced to the plane (paper eq. 7), in the `base` frame.
 struct PlanarScan {
-  double stamp = 0.0;                      ///< [s], the middle of the sweep.
-  std::vector<Eigen::Vector2f> points;     ///< [m], returns.
-  std::vector<float> weights;              ///< Number of returns that each point stands for; empty: one each.
+  double stamp = 0.0;                   ///< [s], the middle of the sweep.
+  std::vector<Eigen::Vector2f> points;  ///< [m], returns.
+  std::vector<float> weights;           ///< Number of returns that each point stands for; empty: one each.
+  /// When in the sweep each point was measured, as a share of the sweep's duration in [0, 1]; empty: not known.
+  std::vector<float> phases;
   std::vector<Eigen::Vector2f> free_ends;  ///< [m], ends of rays that are known to be free and met nothing.
   /// [m], the nearest return in each small sector of bearing that has any, also of those that became no points (leaves,
   /// for one): how far one can look. Empty for a lidar in the plane, whose returns are all points.

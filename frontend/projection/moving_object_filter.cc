@@ -395,6 +395,7 @@ PlanarScan WithoutMovingObjects(const PlanarScan& scan, const std::vector<Moving
   PlanarScan rest = scan;
   rest.points.clear();
   rest.weights.clear();
+  rest.phases.clear();
   for (size_t i = 0; i < scan.points.size(); ++i) {
     if (is_moving[i]) {
       if (scan.point_rays_are_free) rest.free_ends.push_back(scan.points[i]);
@@ -402,6 +403,7 @@ PlanarScan WithoutMovingObjects(const PlanarScan& scan, const std::vector<Moving
     }
     rest.points.push_back(scan.points[i]);
     if (!scan.weights.empty()) rest.weights.push_back(scan.weights[i]);
+    if (!scan.phases.empty()) rest.phases.push_back(scan.phases[i]);
   }
   return rest;
 }

@@ -80,9 +80,12 @@ PlanarScan SweepProjection::Project(const Input& input, const Eigen::Matrix3f& R
   scan.point_rays_are_free = false;
   scan.points.reserve(points_.size());
   scan.weights.reserve(points_.size());
+  const bool has_phases = input.phases != nullptr && !input.phases->empty();
+  if (has_phases) scan.phases.reserve(points_.size());
   for (const Point& point : points_) {
     scan.points.push_back(point.sum / point.weight);
     scan.weights.push_back(point.weight);
+    if (has_phases) scan.phases.push_back(point.phase);
   }
   AddFreeRays(&scan);
   return scan;
@@ -91,6 +94,7 @@ PlanarScan SweepProjection::Project(const Input& input, const Eigen::Matrix3f& R
 void SweepProjection::Select(const Input& input, const Eigen::Matrix3f& R_base_lidar) {
   const std::vector<Eigen::Vector3f>& points = *input.points;
   const std::vector<float>& heights = *input.heights;
+  const bool has_phases = input.phases != nullptr && !input.phases->empty();
   const auto min_range = static_cast<float>(options_.min_range);
   const auto max_range = static_cast<float>(options_.max_range);
   const auto max_bearing = static_cast<float>(options_.max_bearing);
@@ -115,6 +119,7 @@ void SweepProjection::Select(const Input& input, const Eigen::Matrix3f& R_base_l
   std::array<float, kBlock> y;
   std::array<float, kBlock> z;
   std::array<float, kBlock> height;
+  std::array<float, kBlock> phase;
   std::array<float, kBlock> range;
   std::array<float, kBlock> bearing;
   std::array<float, kBlock> low_from;
@@ -126,6 +131,7 @@ void SweepProjection::Select(const Input& input, const Eigen::Matrix3f& R_base_l
       y[size] = points[next].y();
       z[size] = points[next].z();
       height[size] = heights[next];
+      phase[size] = has_phases ? (*input.phases)[next] : 0.0f;
       // Eq. 6: see MinHeightLikelihood.
       size += heights[next] <= most_height ? 1 : 0;
     }
@@ -156,7 +162,7 @@ void SweepProjection::Select(const Input& input, const Eigen::Matrix3f& R_base_l
       const auto layer = std::min(num_layers - 1, static_cast<size_t>(std::max(0.0f, height[i]) / kLayerHeight));
       const auto bin = static_cast<uint32_t>(layer * num_columns_ + column);
       ++bin_ends_[bin + 1];
-      kept_.push_back({x[i], y[i], range[i], bin});
+      kept_.push_back({x[i], y[i], range[i], phase[i], bin});
     }
   }
 }
@@ -180,7 +186,7 @@ void SweepProjection::MakeClusters() {
       sorted_[to] = moved;
     }
     while (begin < end) {
-      Cluster cluster{Eigen::Vector2f::Zero(), 0.0f, 0.0f, 0.0f, bin};
+      Cluster cluster{Eigen::Vector2f::Zero(), 0.0f, 0.0f, sorted_[begin].phase, 0.0f, bin};
       const float first_range = sorted_[begin].range;
       for (; begin < end && sorted_[begin].range <= first_range + depth; ++begin) {
         ranges_[begin] = sorted_[begin].range;
@@ -288,6 +294,7 @@ void SweepProjection::MakePoints() {
       Eigen::Vector2f sum = Eigen::Vector2f::Zero();
       float weight = 0.0f;
       const float last_range = solid_[begin].range + depth;
+      const float phase = solid_[begin].phase;
       for (; begin < solid_.size() && solid_[begin].bin == column && solid_[begin].range <= last_range; ++begin) {
         sum += solid_[begin].sum;
         weight += solid_[begin].weight;
@@ -304,7 +311,7 @@ void SweepProjection::MakePoints() {
         still_open_.push_back(*joined);
       } else {
         still_open_.push_back(static_cast<uint32_t>(points_.size()));
-        points_.push_back({sum, mean, weight, column});
+        points_.push_back({sum, mean, weight, phase, column});
       }
     }
     std::swap(open_, still_open_);

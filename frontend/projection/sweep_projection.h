@@ -59,6 +59,8 @@ class SweepProjection {
     float lidar_height;                          ///< [m], of the lidar over the ground below it.
     float mean_canopy_height;                    ///< [m]
     float column_width;                          ///< [rad]
+    /// As of `PointPhases`; null or empty: not known.
+    const std::vector<float>* phases = nullptr;
   };
 
   /// The planar points of a sweep in the frame that `R_base_lidar` turns upright, by bearing: what is solid between
@@ -72,7 +74,8 @@ class SweepProjection {
   /// out.
   ///
   /// Returns of one column that lie over one another become one point, and so do points of neighbouring columns closer
-  /// than the point spacing; `weights` says of how many returns each is the mean.
+  /// than the point spacing; `weights` says of how many returns each is the mean, and `phases` when one of them was
+  /// measured (the mean of the sweep's first and last moment would be its middle).
   ///
   /// `free_ends` has one ray for every sector of bearing in which the ground, or what stands on it, was seen from so
   /// low that nothing, not even a cone, can stand before it unseen; it ends before the nearest thing that may be solid.
@@ -84,6 +87,7 @@ class SweepProjection {
     float x;
     float y;
     float range;
+    float phase;
     uint32_t bin;  // Layer by layer, column by column.
   };
   // Returns of a bin at about one range.
@@ -91,6 +95,7 @@ class SweepProjection {
     Eigen::Vector2f sum;
     float range;   // [m], mean.
     float weight;  // Number of returns.
+    float phase;   // Of one of them.
     float solidity;
     uint32_t bin;
   };
@@ -99,6 +104,7 @@ class SweepProjection {
     Eigen::Vector2f sum;
     Eigen::Vector2f first;
     float weight;
+    float phase;
     uint32_t column;
   };
 

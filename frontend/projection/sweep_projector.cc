@@ -70,9 +70,9 @@ PreparedSweep SweepProjector::Prepare(const LidarSweep& sweep, const SweepMotion
 }
 
 PlanarScan SweepProjector::Project(const PreparedSweep& prepared, const Eigen::Matrix3f& R_base_lidar) {
-  PlanarScan scan = projection_.Project(
-      {&prepared.points, &prepared.heights, prepared.lidar_height, prepared.mean_canopy_height, prepared.column_width},
-      R_base_lidar);
+  PlanarScan scan = projection_.Project({&prepared.points, &prepared.heights, prepared.lidar_height,
+                                         prepared.mean_canopy_height, prepared.column_width, &prepared.phases},
+                                        R_base_lidar);
   scan.stamp = prepared.stamp;
   return scan;
 }

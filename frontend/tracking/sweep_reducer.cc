@@ -18,14 +18,15 @@ SweepReducer::SweepReducer(const ReductionOptions& reduction, const SweepProject
 
 ReducedSweep SweepReducer::Reduce(const LidarSweep& sweep, const SE2& prediction, const PlanarVelocity& velocity) {
   const Eigen::Matrix3d R_lidar_base = last_tilt_.Rotation().transpose();
+  ReducedSweep reduced;
   SweepMotion motion;
   if (options_.deskew) {
     motion.velocity = (R_lidar_base * Eigen::Vector3d(velocity.linear.x(), velocity.linear.y(), 0.0)).cast<float>();
     motion.angular_velocity = (R_lidar_base * Eigen::Vector3d(0.0, 0.0, velocity.angular)).cast<float>();
+    reduced.deskewing = velocity;
   }
   prepared_ = projector_.Prepare(sweep, motion, std::move(prepared_));
 
-  ReducedSweep reduced;
   reduced.has_ground = prepared_.fit.ok;
   reduced.tilt = last_tilt_;
   if (prepared_.fit.ok) {

@@ -14,6 +14,7 @@
 #include "frontend/projection/moving_object_filter.h"
 #include "frontend/projection/sweep_projector.h"
 #include "frontend/projection/upright_lines.h"
+#include "frontend/tracking/planar_velocity.h"
 
 namespace arborslam {
 
@@ -39,13 +40,8 @@ struct ReducedSweep {
   bool has_ground = false;           ///< False: no ground was found, the tilt is that of the sweep before.
   Tilt3 local_tilt;                  ///< Over the slope of the ground around the robot.
   Tilt3 tilt;                        ///< Over the odometry frame's level; z likewise.
+  PlanarVelocity deskewing;          ///< What the sweep was deskewed with, at its `duration`.
   int num_moving = 0;                ///< Planar points that were left out since they move.
-};
-
-/// Where the robot goes, in the plane.
-struct PlanarVelocity {
-  Eigen::Vector2d linear = Eigen::Vector2d::Zero();  ///< [m/s], in the base frame.
-  double angular = 0.0;                              ///< [rad/s]
 };
 
 /// From sweeps to planar scans (design section 3, steps 2-4): deskews with the robot's velocity, finds the ground,
