@@ -31,7 +31,7 @@ struct TrackerOptions {
   double submap_length = 60.0;     ///< [m] of path in a submap; a new one is begun every half of this.
   int rebuild_interval = 4;        ///< Scans put into a submap before its distance field is built anew.
   double min_occupancy = 0.55;     ///< A cell is matched to when its probability of being occupied reaches this.
-  double keyframe_translation = 0.2;  ///< [m], a scan becomes a keyframe when the robot has moved this far,
+  double keyframe_translation = 0.1;  ///< [m], a scan becomes a keyframe when the robot has moved this far,
   double keyframe_rotation = 0.05;    ///< [rad], or turned this far,
   double keyframe_interval = 10.0;    ///< [s], or this long has passed.
 
