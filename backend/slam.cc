@@ -163,6 +163,11 @@ SE2 Slam::Smooth(const PlanarScan& scan, const SE2& prediction, const TrackingRe
     add({measurement.submap, id, measurement.T_submap_base, measurement.information, Constraint::Kind::kSubmap});
   }
   keyframes_.push_back({id, scan, is_first || tracked.insert});
+  // Only finding what moves needs these, on the sweeps to come; over a run they would be half of the memory.
+  PlanarScan& kept = keyframes_.back().scan;
+  kept.weights = {};
+  kept.first_returns = {};
+  kept.points.shrink_to_fit();
 
   window_.Solve();
   for (const auto& [node, pose] : window_.poses()) graph_.SetPose(node, pose);

@@ -15,11 +15,10 @@ cmake --build --preset release --parallel "$(nproc)" --target arborslam_simulate
 
 rm -rf demo_output
 mkdir -p demo_output
-echo "== Simulating an orchard"
-"${bin}/arborslam_simulate" --scenario planar_orchard --seed 1 --output "${orchard}"
+echo "== Simulating an orchard: a legged robot with a VLP-16, followed by people"
+"${bin}/arborslam_simulate" --scenario orchard --seed 1 --scans 800 --output "${orchard}"
 echo "== Mapping it"
-"${bin}/arborslam_offline" --input "${orchard}/scans.npz" --output "${slam}" \
-  --ground_truth "${orchard}/ground_truth.tum"
+"${bin}/arborslam_offline" --input "${orchard}" --output "${slam}" --ground_truth "${orchard}/ground_truth.tum"
 echo "== Comparing with the ground truth"
 "${bin}/arborslam_evaluate" --reference "${orchard}/ground_truth.tum" --estimate "${slam}/trajectory.tum" \
   --plot demo_output/trajectory.png
@@ -27,7 +26,9 @@ echo "== Comparing with the ground truth"
 cat << EOT
 
 Done. See in ${root}:
+  ${slam}/report.html         the run: map, errors, scores, times; open it in a browser
   ${slam}/map.png             the map
+  ${slam}/cloud.ply           the 3D map, for CloudCompare or MeshLab
   demo_output/trajectory.png  the estimated and the true trajectory
   ${slam}/summary.json        counts, times and errors
 EOT

@@ -248,7 +248,7 @@ void RefineMaps(const Slam& slam, const OfflineOptions& options, RunRecord* reco
     ProgressBar progress(std::cerr, record->scans.size(), StderrIsTerminal() && !FLAGS_quiet);
     const bool is_whole = g_signal == 0 && VisitMatchedSweeps(
                                                OpenScanSource(FLAGS_input, options.input).get(), record->scans,
-                                               slam.OptimizedTrajectory3(),
+                                               record->finish.sweep_duration, slam.OptimizedTrajectory3(),
                                                [&](const PosedSweep& sweep) {
                                                  if (cloud) cloud->Add(sweep);
                                                  if (footprints) footprints->Add(sweep);

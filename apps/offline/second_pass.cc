@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <variant>
@@ -14,6 +15,9 @@ namespace arborslam {
 namespace {
 
 constexpr double kMaxStep = 0.15;  // [s], between poses that tell how the lidar rocked.
+
+// [s], beyond what rounding does to the stamp of a sweep.
+constexpr double kStampTolerance = 1e-6;
 
 }  // namespace
 
@@ -36,15 +40,20 @@ SweepMotion MotionAt(const Trajectory3& trajectory, size_t index) {
   return {(R_lidar_map * velocity).cast<float>(), (R_lidar_map * angular_velocity).cast<float>()};
 }
 
-bool VisitMatchedSweeps(ScanSource* source, const std::vector<ScanResult>& scans, const Trajectory3& trajectory,
+bool VisitMatchedSweeps(ScanSource* source, const std::vector<ScanResult>& scans,
+                        const std::optional<SweepDurationResult>& duration, const Trajectory3& trajectory,
                         const std::function<void(const PosedSweep&)>& visit, const std::function<bool(size_t)>& go_on) {
   size_t num_posed = 0;
   size_t num_matched = 0;
   for (size_t i = 0; i < scans.size(); ++i) {
     if (!go_on(i)) return false;
-    const std::optional<Scan> scan = source->Next();
-    const LidarSweep* sweep = scan ? std::get_if<LidarSweep>(&*scan) : nullptr;
-    if (sweep == nullptr || sweep->Middle() != scans[i].stamp) {
+    std::optional<Scan> scan = source->Next();
+    LidarSweep* sweep = scan ? std::get_if<LidarSweep>(&*scan) : nullptr;
+    if (sweep != nullptr && duration && sweep->is_duration_guessed) {
+      sweep->start = sweep->Middle() + duration->stamp_shift - 0.5 * duration->seconds;
+      sweep->duration = duration->seconds;
+    }
+    if (sweep == nullptr || std::abs(sweep->Middle() - scans[i].stamp) > kStampTolerance) {
       throw UserError("sweep " + std::to_string(i), "is not the one that was read before",
                       "leave the recording alone while it is processed");
     }

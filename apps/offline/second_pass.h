@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "backend/slam.h"
@@ -30,12 +31,14 @@ struct PosedSweep {
 /// Reads a recording of sweeps once more, to make maps that need more than the estimation keeps.
 /// @param source     the recording, from its beginning.
 /// @param scans      what became of its first scans, in their order.
+/// @param duration   what was found about how long the sweeps last, by which they and the stamps of `scans` go.
 /// @param trajectory T_map_lidar of those of them that were not skipped.
 /// @param visit      called for every sweep that was matched, in order.
 /// @param go_on      called with the number of sweeps read so far; false: stop.
 /// Returns whether it came to the end of `scans`. Throws `UserError` when the recording is damaged or is not that of
 /// `scans` (any more).
-bool VisitMatchedSweeps(ScanSource* source, const std::vector<ScanResult>& scans, const Trajectory3& trajectory,
+bool VisitMatchedSweeps(ScanSource* source, const std::vector<ScanResult>& scans,
+                        const std::optional<SweepDurationResult>& duration, const Trajectory3& trajectory,
                         const std::function<void(const PosedSweep&)>& visit, const std::function<bool(size_t)>& go_on);
 
 }  // namespace arborslam

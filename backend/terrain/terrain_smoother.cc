@@ -192,6 +192,8 @@ TerrainMap SmoothTerrain(const TerrainOptions& options, std::vector<TerrainView>
           triplets.emplace_back(node, system.nodes[static_cast<size_t>(col)], reduced(row, col));
         }
       }
+      // The greatest part, needed no more.
+      system.node_information.resize(0, 0);
     }
     for (const auto& [a, b] : neighbors) {
       const double difference = heights[a] - heights[b];

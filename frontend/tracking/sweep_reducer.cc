@@ -5,6 +5,12 @@
 #include "frontend/tracking/terrain_fit.h"
 
 namespace arborslam {
+namespace {
+
+// [m], farther off beams graze the ground: it says little more about the tilt, and much of it is grass.
+constexpr float kMaxGroundRange = 10.0f;
+
+}  // namespace
 
 SweepReducer::SweepReducer(const ReductionOptions& reduction, const SweepProjectionOptions& projection,
                            const MovingObjectOptions& moving_objects, const CompactThingOptions& compact,
@@ -30,7 +36,9 @@ ReducedSweep SweepReducer::Reduce(const LidarSweep& sweep, const SE2& prediction
   reduced.has_ground = prepared_.fit.ok;
   reduced.tilt = last_tilt_;
   if (prepared_.fit.ok) {
-    reduced.ground = prepared_.samples;
+    for (const GroundSample& sample : prepared_.samples) {
+      if (sample.position.head<2>().norm() <= kMaxGroundRange) reduced.ground.push_back(sample);
+    }
     reduced.local_tilt = TiltFromUp(prepared_.fit.normal.cast<double>());
     reduced.local_tilt.z = prepared_.lidar_height;
     Tilt3 initial = reduced.local_tilt;
