@@ -160,6 +160,7 @@ TerrainMap SmoothTerrain(const TerrainOptions& options, std::vector<TerrainView>
       mixtures[i].push_back(grid.At(view.T_map_base * Eigen::Vector2d(point.head<2>())));
     }
   }
+  if (grid.size() == 0) return terrain;
   const std::vector<std::pair<int, int>> neighbors = grid.Neighbors();
   const double node_step = kNodeSlope * options.node_spacing;
   const double smoothness = 1.0 / (node_step * node_step);
@@ -178,8 +179,8 @@ TerrainMap SmoothTerrain(const TerrainOptions& options, std::vector<TerrainView>
         system.information(2, 2) += anchor;
         system.vector.z() += anchor * (anchor_height - (*views)[i].tilt.z);
       }
-      // A view without ground keeps its height.
-      system.information(2, 2) += 1e-9;
+      // A view without ground stays as it is.
+      if (system.nodes.empty()) continue;
       const Eigen::LDLT<Eigen::Matrix3d> factor(system.information);
       const Eigen::MatrixXd reduced =
           system.node_information - system.coupling.transpose() * factor.solve(system.coupling);
@@ -211,6 +212,7 @@ TerrainMap SmoothTerrain(const TerrainOptions& options, std::vector<TerrainView>
     heights += step;
     for (size_t i = 0; i < views->size(); ++i) {
       const ViewSystem& system = systems[i];
+      if (system.nodes.empty()) continue;
       Eigen::VectorXd node_step_of_view(static_cast<Eigen::Index>(system.nodes.size()));
       for (size_t k = 0; k < system.nodes.size(); ++k) {
         node_step_of_view[static_cast<Eigen::Index>(k)] = step[system.nodes[k]];
