@@ -25,6 +25,7 @@ Slam::Slam(const SlamOptions& options, int num_threads)
       num_threads_(num_threads),
       matcher_(options.matcher, options.mhd, options.refinement),
       reducer_(options.reduction, options.sweep, options.dynamic, options.compact, options.terrain.cell_size),
+      motion_noise_(options.motion),
       tracker_(options.tracker, options.grid, options.matcher.max_distance, matcher_) {
   CHECK_GE(num_threads, 1);
 }
@@ -94,11 +95,15 @@ void Slam::AddPlanarScan(const PlanarScan& planar, const SE2& prediction, ScanRe
     return;
   }
   const SE2 last_pose = is_first ? SE2() : WindowPose(scans_.back()).pose;
-  const TrackingResult tracked = tracker_.Track(planar.points, last_pose, prediction, scans_.size() > 1);
+  const Eigen::Vector3d sigma = PredictionSigma(planar.stamp);
+  const TrackingResult tracked = tracker_.Track(planar.points, last_pose, prediction, scans_.size() > 1, sigma);
   result.match = tracked.match;
   result.searched_wide = tracked.searched_wide;
   result.status = is_first || IsUsable(tracked.match.verdict) ? ScanStatus::kMatched : ScanStatus::kPredicted;
   if (result.status == ScanStatus::kPredicted) result.reason = ToString(tracked.match.verdict);
+  if (tracked.insert && scans_.size() > 1) {
+    motion_noise_.Add(last_pose, prediction, tracked.match.pose, tracked.match.information);
+  }
   result.match_ms = stopwatch.Lap();
 
   result.is_keyframe =
@@ -110,7 +115,7 @@ void Slam::AddPlanarScan(const PlanarScan& planar, const SE2& prediction, ScanRe
     scans_.push_back({result.stamp, last, window_.Pose(last).Inverse() * result.T_odom_base, {}, {}, {}, {}, {}});
     return;
   }
-  result.T_odom_base = Smooth(planar, prediction, tracked);
+  result.T_odom_base = Smooth(planar, prediction, sigma, tracked);
   result.is_inserted = keyframes_.back().is_inserted;
   result.window_ms = stopwatch.Lap();
   scans_.push_back({result.stamp, keyframes_.back().id, SE2(), {}, {}, {}, {}, {}});
@@ -130,6 +135,18 @@ SE2 Slam::Predict(double stamp) const {
   return PredictPose(WindowPose(scans_[scans_.size() - 2]), WindowPose(scans_.back()), stamp, options_.motion);
 }
 
+Eigen::Vector3d Slam::PredictionSigma(double stamp) const {
+  const MotionOptions& options = options_.motion;
+  const Eigen::Vector3d most(options.translation_sigma, options.translation_sigma, options.rotation_sigma);
+  if (!options.learn_sigma || scans_.size() < 2) return most;
+  const double last = scans_.back().stamp;
+  const double previous = scans_[scans_.size() - 2].stamp;
+  if (!CanExtrapolate(previous, last, stamp, options)) return most;
+  // After a longer step predictions err by more.
+  const double stretch = std::max(1.0, (stamp - last) / (last - previous));
+  return (stretch * motion_noise_.sigma()).cwiseMin(most);
+}
+
 PlanarVelocity Slam::Velocity() const {
   PlanarVelocity velocity;
   if (scans_.size() < 2) return velocity;
@@ -143,7 +160,8 @@ PlanarVelocity Slam::Velocity() const {
   return velocity;
 }
 
-SE2 Slam::Smooth(const PlanarScan& scan, const SE2& prediction, const TrackingResult& tracked) {
+SE2 Slam::Smooth(const PlanarScan& scan, const SE2& prediction, const Eigen::Vector3d& prediction_sigma,
+                 const TrackingResult& tracked) {
   const KeyframeId id{static_cast<int>(keyframes_.size())};
   const bool is_first = keyframes_.empty();
   window_.AddNode(id, tracked.match.pose);
@@ -156,8 +174,17 @@ SE2 Slam::Smooth(const PlanarScan& scan, const SE2& prediction, const TrackingRe
     window_.AddPrior(id, kAnchorInformation * Eigen::Matrix3d::Identity());
   } else {
     const KeyframeId last = keyframes_.back().id;
-    add({last, id, window_.Pose(last).Inverse() * prediction, MotionInformation(options_.motion),
-         Constraint::Kind::kMotion});
+    Constraint motion{last, id, window_.Pose(last).Inverse() * prediction, MotionInformation(prediction_sigma),
+                      Constraint::Kind::kMotion};
+    window_.AddConstraint(motion);
+    // It was derived from earlier matches. Over the whole run these say more once they are corrected by later ones, and
+    // the motion counts only where the match leaves something open.
+    if (tracked.match.verdict == MatchVerdict::kAccepted) {
+      const MotionOptions& options = options_.motion;
+      motion.information =
+          MotionInformation({options.translation_sigma, options.translation_sigma, options.rotation_sigma});
+    }
+    graph_.AddConstraint(motion);
   }
   for (const TrackingResult::Measurement& measurement : tracked.measurements) {
     add({measurement.submap, id, measurement.T_submap_base, measurement.information, Constraint::Kind::kSubmap});

@@ -18,6 +18,7 @@
 #include "core/sensor/lidar_sweep.h"
 #include "core/sensor/stamped_pose.h"
 #include "core/sensor/trajectory3.h"
+#include "frontend/tracking/motion_noise.h"
 #include "frontend/tracking/sweep_duration.h"
 #include "frontend/tracking/sweep_reducer.h"
 #include "frontend/tracking/tracker.h"
@@ -140,8 +141,11 @@ class Slam {
   StampedPose WindowPose(const PosedScan& scan) const;
   // The motion model's pose for a scan at `stamp` [s].
   SE2 Predict(double stamp) const;
+  // Standard deviations [m, m, rad] of that.
+  Eigen::Vector3d PredictionSigma(double stamp) const;
   // Makes the scan a variable of window and graph, with all that was measured about it; returns its smoothed pose.
-  SE2 Smooth(const PlanarScan& scan, const SE2& prediction, const TrackingResult& tracked);
+  SE2 Smooth(const PlanarScan& scan, const SE2& prediction, const Eigen::Vector3d& prediction_sigma,
+             const TrackingResult& tracked);
   // Puts the latest keyframe's scan into the active submaps, and new submaps into window and graph.
   void InsertIntoSubmaps();
   // Marginalises what is too old for the window.
@@ -151,6 +155,7 @@ class Slam {
   int num_threads_;
   Matcher matcher_;
   SweepReducer reducer_;
+  MotionNoise motion_noise_;
   Tracker tracker_;
   SlidingWindow window_;
   PoseGraph graph_;

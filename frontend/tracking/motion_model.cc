@@ -19,11 +19,13 @@ std::string MotionOptions::Validate() const {
   return "";
 }
 
+bool CanExtrapolate(double previous, double last, double stamp, const MotionOptions& options) {
+  return last > previous && stamp > last && stamp - last <= options.max_extrapolation * (last - previous);
+}
+
 SE2 PredictPose(const StampedPose& previous, const StampedPose& last, double stamp, const MotionOptions& options) {
-  const double last_step = last.stamp - previous.stamp;
-  if (last_step <= 0.0) return last.pose;
-  const double stretch = (stamp - last.stamp) / last_step;
-  if (stretch <= 0.0 || stretch > options.max_extrapolation) return last.pose;
+  if (!CanExtrapolate(previous.stamp, last.stamp, stamp, options)) return last.pose;
+  const double stretch = (stamp - last.stamp) / (last.stamp - previous.stamp);
   if (options.model == "constant_velocity") {
     const Eigen::Vector2d translation =
         last.pose.translation() + stretch * (last.pose.translation() - previous.pose.translation());
@@ -41,10 +43,8 @@ SE2 PredictPose(const StampedPose& previous, const StampedPose& last, double sta
   return last.pose * SE2(next.x(), next.y(), stretch * turn);
 }
 
-Eigen::Matrix3d MotionInformation(const MotionOptions& options) {
-  const double translation = 1.0 / (options.translation_sigma * options.translation_sigma);
-  const double rotation = 1.0 / (options.rotation_sigma * options.rotation_sigma);
-  return Eigen::Vector3d(translation, translation, rotation).asDiagonal();
+Eigen::Matrix3d MotionInformation(const Eigen::Vector3d& sigma) {
+  return sigma.array().square().inverse().matrix().asDiagonal();
 }
 
 }  // namespace arborslam

@@ -15,8 +15,9 @@ struct MotionOptions {
   std::string model = "omnidirectional";
   double max_extrapolation =
       3.0;  ///< After a gap longer than this many steps the robot is taken to stand where it was.
-  double translation_sigma = 1.0;  ///< [m], standard deviation of a predicted step's x and y.
-  double rotation_sigma = 1.0;     ///< [rad], standard deviation of a predicted step's turn.
+  double translation_sigma = 1.0;  ///< [m], the greatest standard deviation of a predicted step's x and y.
+  double rotation_sigma = 1.0;     ///< [rad], the greatest standard deviation of a predicted step's turn.
+  bool learn_sigma = true;         ///< Find out how far predictions really err; false: as far as that.
 
   std::string Validate() const;
 
@@ -26,14 +27,19 @@ struct MotionOptions {
     visit("max_extrapolation", max_extrapolation);
     visit("translation_sigma", translation_sigma);
     visit("rotation_sigma", rotation_sigma);
+    visit("learn_sigma", learn_sigma);
   }
 };
 
-/// The pose at `stamp` [s] after the poses at `previous` and `last`; the last one where the stamps do not rise.
+/// Whether a pose at `stamp` [s] can be told from those at `previous` and `last`: the stamps rise, and the gap is not too
+/// long.
+bool CanExtrapolate(double previous, double last, double stamp, const MotionOptions& options);
+
+/// The pose at `stamp` [s] after the poses at `previous` and `last`; the last one where that cannot be told.
 SE2 PredictPose(const StampedPose& previous, const StampedPose& last, double stamp, const MotionOptions& options);
 
-/// The information (x, y, theta) [1/m^2, 1/rad^2] of a predicted step.
-Eigen::Matrix3d MotionInformation(const MotionOptions& options);
+/// The information (x, y, theta) [1/m^2, 1/rad^2] of a predicted step with these standard deviations [m, m, rad].
+Eigen::Matrix3d MotionInformation(const Eigen::Vector3d& sigma);
 
 }  // namespace arborslam
 

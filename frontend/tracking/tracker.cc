@@ -13,8 +13,14 @@ namespace {
 
 // A younger submap is matched to from this many scans on: before, its map is one scan's noise.
 constexpr size_t kMinKeyframesToMatch = 5;
+// Keyframes put into a submap, by turning on the spot for instance, before its target is built anew all the same.
+constexpr size_t kMaxTargetAge = 16;
 // [m], by how much more than a scan's own reach a target covers, so that it serves the next scans too.
 constexpr double kTargetMargin = 3.0;
+// [standard deviations] of the prediction that the first search covers; at least these many [m] and [rad].
+constexpr double kNearSigmas = 6.0;
+constexpr double kMinNearTranslation = 0.15;
+constexpr double kMinNearRotation = 0.06;
 // Of the penalty for lying off the prediction, what is left when the robot's velocity is not known.
 constexpr double kTieBreak = 0.1;
 // A wide search must do this much better than the near one to be believed.
@@ -50,7 +56,7 @@ std::string TrackerOptions::Validate() const {
   if (!(wide_score > 0.0)) return Violation("wide_score", wide_score, "be above 0 m");
   if (!(max_insert_score > 0.0)) return Violation("max_insert_score", max_insert_score, "be above 0 m");
   if (!(submap_length > 0.0)) return Violation("submap_length", submap_length, "be above 0 m");
-  if (rebuild_interval < 1) return Violation("rebuild_interval", rebuild_interval, "be at least 1");
+  if (!(rebuild_distance >= 0.0)) return Violation("rebuild_distance", rebuild_distance, "be at least 0 m");
   if (!(min_occupancy >= 0.5 && min_occupancy < 1.0)) {
     return Violation("min_occupancy", min_occupancy, "lie in [0.5, 1)");
   }
@@ -69,7 +75,7 @@ Tracker::Tracker(const TrackerOptions& options, const OccupancyGridOptions& grid
       matcher_(matcher) {}
 
 TrackingResult Tracker::Track(const std::vector<Eigen::Vector2f>& points, const SE2& last_pose, const SE2& prediction,
-                              bool knows_velocity) {
+                              bool knows_velocity, const Eigen::Vector3d& sigma) {
   TrackingResult result;
   result.match.pose = prediction;
   result.match.num_points = static_cast<int>(points.size());
@@ -81,9 +87,14 @@ TrackingResult Tracker::Track(const std::vector<Eigen::Vector2f>& points, const 
 
   ActiveSubmap& older = active_.front();
   const SE2 T_submap_prediction = older.T_odom_submap.Inverse() * prediction;
-  const MatchTarget& target = Target(T_submap_prediction, scan_reach, &older);
+  const bool is_outdated = IsOutdated(older, T_submap_prediction, scan_reach, false);
+  if (is_outdated) BuildTarget(T_submap_prediction, scan_reach, &older);
+  const MatchTarget& target = *older.target;
   const SearchPenalty penalty{options_.translation_penalty, options_.rotation_penalty};
-  SearchWindow near{options_.near_translation, options_.near_rotation, options_.near_rotation_step, penalty};
+  const double translation = std::max(kMinNearTranslation, kNearSigmas * sigma.head<2>().maxCoeff());
+  const double rotation = std::max(kMinNearRotation, kNearSigmas * sigma.z());
+  SearchWindow near{std::min(options_.near_translation, translation), std::min(options_.near_rotation, rotation),
+                    options_.near_rotation_step, penalty};
   if (!knows_velocity) {
     near.translation = wide_translation;
     near.penalty = {kTieBreak * penalty.per_metre, kTieBreak * penalty.per_radian};
@@ -111,23 +122,29 @@ TrackingResult Tracker::Track(const std::vector<Eigen::Vector2f>& points, const 
     ActiveSubmap& younger = active_[i];
     if (younger.keyframes.size() < kMinKeyframesToMatch) continue;
     const SE2 initial = younger.T_odom_submap.Inverse() * result.match.pose;
-    const MatchResult second = matcher_.MatchNear(Target(initial, scan_reach, &younger), points, initial);
+    // No scan is to wait for two.
+    if (IsOutdated(younger, initial, scan_reach, is_outdated)) BuildTarget(initial, scan_reach, &younger);
+    const MatchResult second = matcher_.MatchNear(*younger.target, points, initial);
     if (IsUsable(second.verdict)) result.measurements.push_back({younger.id, second.pose, second.information});
   }
   return result;
 }
 
-const MatchTarget& Tracker::Target(const SE2& T_submap_base, double reach, ActiveSubmap* submap) const {
-  const double farthest = (T_submap_base.translation() - submap->target_center).norm() + reach;
+bool Tracker::IsOutdated(const ActiveSubmap& submap, const SE2& T_submap_base, double reach, bool may_wait) const {
+  if (!submap.target) return true;
+  if ((T_submap_base.translation() - submap.target_center).norm() + reach > submap.target_reach) return true;
+  if (may_wait) return false;
   // A young submap changes with every scan; later ones matter less and less.
-  const size_t allowed_age = std::min(static_cast<size_t>(options_.rebuild_interval) - 1, submap->target_keyframes / 4);
-  if (submap->target && farthest <= submap->target_reach &&
-      submap->keyframes.size() - submap->target_keyframes <= allowed_age) {
-    return *submap->target;
-  }
+  const size_t age = submap.keyframes.size() - submap.target_keyframes;
+  if (age > std::min(kMaxTargetAge, submap.target_keyframes / 4)) return true;
+  return age > 0 && submap.length - submap.target_length >= options_.rebuild_distance;
+}
+
+void Tracker::BuildTarget(const SE2& T_submap_base, double reach, ActiveSubmap* submap) const {
   submap->target_center = T_submap_base.translation();
   submap->target_reach = reach + kTargetMargin;
   submap->target_keyframes = submap->keyframes.size();
+  submap->target_length = submap->length;
   std::vector<OccupiedCell> cells = submap->grid.OccupiedCells(min_log_odds_);
   const Eigen::Vector2f center = submap->target_center.cast<float>();
   const auto squared_reach = static_cast<float>(submap->target_reach * submap->target_reach);
@@ -136,7 +153,6 @@ const MatchTarget& Tracker::Target(const SE2& T_submap_base, double reach, Activ
                      [&](const OccupiedCell& cell) { return (cell.centroid - center).squaredNorm() > squared_reach; }),
       cells.end());
   submap->target = std::make_unique<MatchTarget>(cells, grid_options_.cell_size, max_distance_);
-  return *submap->target;
 }
 
 bool Tracker::IsKeyframe(const StampedPose& last_keyframe, const StampedPose& pose) const {

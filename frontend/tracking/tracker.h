@@ -29,7 +29,7 @@ struct TrackerOptions {
   double wide_score = 0.10;        ///< [m], the second search is made when the first one's MHD is above this.
   double max_insert_score = 0.10;  ///< [m], a scan whose MHD is above this is spoilt: used, but not put into the maps.
   double submap_length = 60.0;     ///< [m] of path in a submap; a new one is begun every half of this.
-  int rebuild_interval = 4;        ///< Scans put into a submap before its distance field is built anew.
+  double rebuild_distance = 1.0;   ///< [m] of path in a submap before its distance field is built anew.
   double min_occupancy = 0.55;     ///< A cell is matched to when its probability of being occupied reaches this.
   double keyframe_translation = 0.1;  ///< [m], a scan becomes a keyframe when the robot has moved this far,
   double keyframe_rotation = 0.05;    ///< [rad], or turned this far,
@@ -50,7 +50,7 @@ struct TrackerOptions {
     visit("wide_score", wide_score);
     visit("max_insert_score", max_insert_score);
     visit("submap_length", submap_length);
-    visit("rebuild_interval", rebuild_interval);
+    visit("rebuild_distance", rebuild_distance);
     visit("min_occupancy", min_occupancy);
     visit("keyframe_translation", keyframe_translation);
     visit("keyframe_rotation", keyframe_rotation);
@@ -82,10 +82,11 @@ class Tracker {
   /// nothing good, in a wide surrounding of `last_pose`, the pose of the scan before, since what went wrong is most
   /// likely the prediction. Without submaps the verdict is `kTooFewPoints`.
   /// @param knows_velocity false: `prediction` takes a robot to stand that may well drive, as at a run's second scan;
-  /// it
-  ///                       is searched for in all of the wide translation, without preferring to stand.
+  ///                       it is searched for in all of the wide translation, without preferring to stand.
+  /// @param sigma          standard deviations [m, m, rad] of the prediction, see `MotionNoise`: the first search goes
+  ///                       no farther than needed.
   TrackingResult Track(const std::vector<Eigen::Vector2f>& points, const SE2& last_pose, const SE2& prediction,
-                       bool knows_velocity = true);
+                       bool knows_velocity = true, const Eigen::Vector3d& sigma = Eigen::Vector3d::Ones());
 
   /// True if a scan at `pose` is far enough in space or time from the last keyframe to become one itself.
   bool IsKeyframe(const StampedPose& last_keyframe, const StampedPose& pose) const;
@@ -120,10 +121,13 @@ class Tracker {
     Eigen::Vector2d target_center = Eigen::Vector2d::Zero();
     double target_reach = 0.0;
     size_t target_keyframes = 0;
+    double target_length = 0.0;  // `length` then.
   };
 
-  // The target of a submap for scans that reach `reach` [m] around `T_submap_base`, built anew if it is outdated.
-  const MatchTarget& Target(const SE2& T_submap_base, double reach, ActiveSubmap* submap) const;
+  // Whether a submap's target must be built anew for scans that reach `reach` [m] around `T_submap_base`: since it does
+  // not cover them or, unless it `may_wait`, because too much was put into the submap since.
+  bool IsOutdated(const ActiveSubmap& submap, const SE2& T_submap_base, double reach, bool may_wait) const;
+  void BuildTarget(const SE2& T_submap_base, double reach, ActiveSubmap* submap) const;
   Submap Finish(ActiveSubmap* active) const;
 
   TrackerOptions options_;

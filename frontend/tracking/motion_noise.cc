@@ -1,0 +1,47 @@
+#include "frontend/tracking/motion_noise.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace arborslam {
+namespace {
+
+constexpr size_t kMemory = 200;    // Errors that count.
+constexpr size_t kMinErrors = 30;  // Fewer tell nothing.
+constexpr double kQuantile = 0.95;
+constexpr double kNormalQuantile = 1.96;  // [standard deviations], of a normal error's amount.
+const Eigen::Vector3d kLeast(0.02, 0.02, 0.01);
+// [m] and [rad], the least step of a robot that moves.
+constexpr double kMinStep = 0.02;
+constexpr double kMinTurn = 0.01;
+
+}  // namespace
+
+MotionNoise::MotionNoise(const MotionOptions& options)
+    : most_(options.translation_sigma, options.translation_sigma, options.rotation_sigma), sigma_(most_) {}
+
+void MotionNoise::Add(const SE2& last_pose, const SE2& prediction, const SE2& matched,
+                      const Eigen::Matrix3d& information) {
+  const SE2 step = last_pose.Inverse() * matched;
+  if (step.translation().norm() < kMinStep && std::abs(step.theta()) < kMinTurn) return;
+  const Eigen::Vector3d error = (prediction.Inverse() * matched).vector();
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<size_t>(axis);
+    // What the other directions do not share: an optimistic figure, but 0 where nothing is known.
+    if (information(axis, axis) * sigma_[axis] * sigma_[axis] < 1.0) continue;
+    std::vector<double>& errors = errors_[a];
+    if (errors.size() < kMemory) {
+      errors.push_back(std::abs(error[axis]));
+    } else {
+      errors[next_[a]] = std::abs(error[axis]);
+      next_[a] = (next_[a] + 1) % kMemory;
+    }
+    if (errors.size() < kMinErrors) continue;
+    sorted_ = errors;
+    const auto nth = sorted_.begin() + static_cast<ptrdiff_t>(kQuantile * static_cast<double>(sorted_.size() - 1));
+    std::nth_element(sorted_.begin(), nth, sorted_.end());
+    sigma_[axis] = std::min(std::max(*nth / kNormalQuantile, kLeast[axis]), most_[axis]);
+  }
+}
+
+}  // namespace arborslam
