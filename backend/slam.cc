@@ -18,6 +18,15 @@ namespace {
 // keyframe that begins it: a tenth of a millimetre.
 constexpr double kAnchorInformation = 1e8;
 
+// The mean of a prediction with standard deviations `sigma` [m, m, rad] and of the match, each counting as it knows.
+SE2 Fuse(const SE2& prediction, const Eigen::Vector3d& sigma, const MatchResult& match) {
+  if (!IsUsable(match.verdict)) return prediction;
+  const Eigen::Matrix3d information = match.information + MotionInformation(sigma);
+  const Eigen::Vector3d error = (prediction.Inverse() * match.pose).vector();
+  const Eigen::Vector3d correction = information.ldlt().solve(match.information * error);
+  return prediction * SE2(correction.x(), correction.y(), correction.z());
+}
+
 }  // namespace
 
 Slam::Slam(const SlamOptions& options, int num_threads)
@@ -111,7 +120,7 @@ void Slam::AddPlanarScan(const PlanarScan& planar, const SE2& prediction, ScanRe
                                       {result.stamp, tracked.match.pose});
   if (!result.is_keyframe) {
     const KeyframeId last = keyframes_.back().id;
-    result.T_odom_base = tracked.match.pose;
+    result.T_odom_base = Fuse(prediction, sigma, tracked.match);
     scans_.push_back({result.stamp, last, window_.Pose(last).Inverse() * result.T_odom_base, {}, {}, {}, {}, {}});
     return;
   }
@@ -119,7 +128,7 @@ void Slam::AddPlanarScan(const PlanarScan& planar, const SE2& prediction, ScanRe
   result.is_inserted = keyframes_.back().is_inserted;
   result.window_ms = stopwatch.Lap();
   scans_.push_back({result.stamp, keyframes_.back().id, SE2(), {}, {}, {}, {}, {}});
-  if (result.is_inserted) InsertIntoSubmaps();
+  if (result.is_inserted && !tracked.adds_nothing) InsertIntoSubmaps();
   result.insert_ms = stopwatch.Lap();
   TrimWindow();
   result.window_ms += stopwatch.Lap();

@@ -31,8 +31,8 @@ struct MotionOptions {
   }
 };
 
-/// Whether a pose at `stamp` [s] can be told from those at `previous` and `last`: the stamps rise, and the gap is not too
-/// long.
+/// Whether a pose at `stamp` [s] can be told from those at `previous` and `last`: the stamps rise, and the gap is not
+/// too long.
 bool CanExtrapolate(double previous, double last, double stamp, const MotionOptions& options);
 
 /// The pose at `stamp` [s] after the poses at `previous` and `last`; the last one where that cannot be told.

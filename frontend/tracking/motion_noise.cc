@@ -11,6 +11,10 @@ constexpr size_t kMinErrors = 30;  // Fewer tell nothing.
 constexpr double kQuantile = 0.95;
 constexpr double kNormalQuantile = 1.96;  // [standard deviations], of a normal error's amount.
 const Eigen::Vector3d kLeast(0.02, 0.02, 0.01);
+// Errors of successive predictions are not independent: a braking robot errs to the same side all the time.
+constexpr double kSafety = 2.0;
+constexpr double kBiasShare = 0.2;  // Of the latest error, in the mean of the last few.
+constexpr double kBiasWeight = 2.0;
 // [m] and [rad], the least step of a robot that moves.
 constexpr double kMinStep = 0.02;
 constexpr double kMinTurn = 0.01;
@@ -22,9 +26,10 @@ MotionNoise::MotionNoise(const MotionOptions& options)
 
 void MotionNoise::Add(const SE2& last_pose, const SE2& prediction, const SE2& matched,
                       const Eigen::Matrix3d& information) {
+  const Eigen::Vector3d error = (prediction.Inverse() * matched).vector();
+  bias_ += kBiasShare * (error - bias_);
   const SE2 step = last_pose.Inverse() * matched;
   if (step.translation().norm() < kMinStep && std::abs(step.theta()) < kMinTurn) return;
-  const Eigen::Vector3d error = (prediction.Inverse() * matched).vector();
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<size_t>(axis);
     // What the other directions do not share: an optimistic figure, but 0 where nothing is known.
@@ -40,8 +45,12 @@ void MotionNoise::Add(const SE2& last_pose, const SE2& prediction, const SE2& ma
     sorted_ = errors;
     const auto nth = sorted_.begin() + static_cast<ptrdiff_t>(kQuantile * static_cast<double>(sorted_.size() - 1));
     std::nth_element(sorted_.begin(), nth, sorted_.end());
-    sigma_[axis] = std::min(std::max(*nth / kNormalQuantile, kLeast[axis]), most_[axis]);
+    sigma_[axis] = std::min(std::max(kSafety * *nth / kNormalQuantile, kLeast[axis]), most_[axis]);
   }
+}
+
+Eigen::Vector3d MotionNoise::sigma() const {
+  return (sigma_.array().square() + (kBiasWeight * bias_).array().square()).sqrt().matrix().cwiseMin(most_);
 }
 
 }  // namespace arborslam

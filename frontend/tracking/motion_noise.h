@@ -27,12 +27,14 @@ class MotionNoise {
   void Add(const SE2& last_pose, const SE2& prediction, const SE2& matched, const Eigen::Matrix3d& information);
 
   /// Standard deviations [m, m, rad] of a prediction's x, y (in the robot's frame) and theta.
-  const Eigen::Vector3d& sigma() const { return sigma_; }
+  /// More than usual while predictions err to the same side again and again, as they do when the robot brakes.
+  Eigen::Vector3d sigma() const;
 
  private:
   Eigen::Vector3d most_;
   Eigen::Vector3d sigma_;
-  std::array<std::vector<double>, 3> errors_;  // [m, m, rad], the latest ones' amounts, as rings.
+  Eigen::Vector3d bias_ = Eigen::Vector3d::Zero();  // [m, m, rad], mean of the last few errors.
+  std::array<std::vector<double>, 3> errors_;       // [m, m, rad], the latest ones' amounts, as rings.
   std::array<size_t, 3> next_{};
   std::vector<double> sorted_;
 };

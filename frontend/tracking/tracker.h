@@ -64,6 +64,9 @@ struct TrackingResult {
   MatchResult match;
   bool searched_wide = false;
   bool insert = false;  ///< Clean enough to become part of the maps.
+  /// Degenerate, and the maps hold nearly all that it shows: put into them, it would confirm the prediction that placed
+  /// it.
+  bool adds_nothing = false;
   /// From each active submap that the scan could be matched to. Empty unless the match is usable.
   struct Measurement {
     SubmapId submap;

@@ -126,11 +126,8 @@ TEST(MotionModelTest, AfterALongGapTheRobotStandsWhereItWas) {
 }
 
 TEST(MotionModelTest, InformationIsThatOfTheSigmas) {
-  MotionOptions options;
-  options.translation_sigma = 0.5;
-  options.rotation_sigma = 0.1;
-  const Eigen::Matrix3d expected = Eigen::Vector3d(4.0, 4.0, 100.0).asDiagonal();
-  EXPECT_TRUE(MotionInformation(options).isApprox(expected, 1e-12));
+  const Eigen::Matrix3d expected = Eigen::Vector3d(4.0, 1.0, 100.0).asDiagonal();
+  EXPECT_TRUE(MotionInformation({0.5, 1.0, 0.1}).isApprox(expected, 1e-12));
 }
 
 TEST(MotionModelTest, ValidatesItsOptions) {
