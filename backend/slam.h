@@ -8,12 +8,12 @@
 #include "backend/graph/pose_graph.h"
 #include "backend/keyframe.h"
 #include "backend/loop/loop_closer.h"
+#include "backend/posed_scan.h"
+#include "backend/scan_result.h"
 #include "backend/slam_options.h"
 #include "backend/window/sliding_window.h"
-#include "core/geometry/tilt.h"
 #include "core/map/occupancy_grid.h"
 #include "core/map/submap.h"
-#include "core/sensor/ground_sample.h"
 #include "core/sensor/laser_scan.h"
 #include "core/sensor/lidar_sweep.h"
 #include "core/sensor/stamped_pose.h"
@@ -23,33 +23,6 @@
 #include "frontend/tracking/tracker.h"
 
 namespace arborslam {
-
-/// What became of a scan.
-enum class ScanStatus {
-  kMatched,    ///< Its pose was measured.
-  kPredicted,  ///< Rejected: its pose is the motion model's, as the window sees it.
-  kSkipped,    ///< It has no pose.
-};
-
-/// One scan's result, as known when it came.
-struct ScanResult {
-  double stamp = 0.0;  ///< [s], the middle of the sweep as it was taken to be then.
-  ScanStatus status = ScanStatus::kSkipped;
-  std::string reason;          ///< Why the scan was not matched; empty if it was.
-  SE2 T_odom_base;             ///< The window's estimate; meaningless when skipped.
-  Tilt3 tilt;                  ///< Of the lidar over T_odom_base; all 0 for planar scans.
-  bool has_ground = true;      ///< False: a sweep in which no ground was found; its tilt is that of the one before.
-  int num_moving = 0;          ///< Planar points left out since they move.
-  MatchResult match;           ///< To the older active submap.
-  bool is_keyframe = false;    ///< Kept as a variable of the estimation.
-  bool is_inserted = false;    ///< Clean enough to become part of the maps.
-  bool searched_wide = false;  ///< The search around the prediction found nothing good.
-  // [ms]
-  double project_ms = 0.0;  ///< Reduction to planar points: for a sweep deskewing, ground, projection, moving things.
-  double match_ms = 0.0;    ///< Prediction, search, refinement, distance fields.
-  double window_ms = 0.0;   ///< Smoothing and marginalisation.
-  double insert_ms = 0.0;   ///< Maps.
-};
 
 /// How long the sweeps of a recording last that does not tell (`LidarSweep::is_duration_guessed`).
 struct SweepDurationResult {
@@ -109,19 +82,6 @@ class Slam {
   const std::vector<Submap>& submaps() const { return submaps_; }
 
  private:
-  // A scan that has a pose.
-  struct PosedScan {
-    double stamp;
-    KeyframeId keyframe;
-    SE2 T_keyframe_scan;
-    // Of sweeps in space.
-    Tilt3 tilt;
-    Tilt3 local_tilt;
-    std::vector<GroundSample> ground;
-    Tilt3 odometry_tilt;             // With which `lines` were measured.
-    std::vector<UprightLine> lines;  // Of keyframes.
-  };
-
   // True, with a reason, for a scan that comes too late.
   bool IsOutOfOrder(ScanResult* result) const;
   // Tracks a scan from `prediction`: fills the rest of `result`.
