@@ -22,6 +22,11 @@ struct PosedScan {
   std::vector<GroundSample> ground;  ///< In the lidar frame.
   Tilt3 odometry_tilt;               ///< `tilt` when the sweep came, with which `lines` were measured.
   std::vector<UprightLine> lines;    ///< Of keyframes.
+
+  template <class Visitor>
+  void VisitState(Visitor&& visit) {
+    visit(stamp, keyframe, T_keyframe_scan, tilt, local_tilt, ground, odometry_tilt, lines);
+  }
 };
 
 }  // namespace arborslam

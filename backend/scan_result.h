@@ -34,6 +34,12 @@ struct ScanResult {
   double match_ms = 0.0;    ///< Prediction, search, refinement, distance fields.
   double window_ms = 0.0;   ///< Smoothing and marginalisation.
   double insert_ms = 0.0;   ///< Maps.
+
+  template <class Visitor>
+  void VisitState(Visitor&& visit) {
+    visit(stamp, status, reason, T_odom_base, tilt, has_ground, num_moving, match, is_keyframe, is_inserted,
+          searched_wide, project_ms, match_ms, window_ms, insert_ms);
+  }
 };
 
 }  // namespace arborslam

@@ -8,6 +8,7 @@
 #include "backend/refine/map_refiner.h"
 #include "backend/terrain/level_estimate.h"
 #include "backend/terrain/terrain_smoother.h"
+#include "core/io/binary_archive.h"
 #include "core/stopwatch.h"
 #include "frontend/tracking/terrain_fit.h"
 
@@ -27,6 +28,53 @@ Slam::Slam(const SlamOptions& options, int num_threads)
       reducer_(options.reduction, options.sweep, options.dynamic, options.compact, options.terrain.cell_size),
       tracker_(options.tracker, options.grid, options.matcher.max_distance, matcher_) {
   CHECK_GE(num_threads, 1);
+}
+
+Slam::Slam(const SlamOptions& options, int num_threads, SessionContents contents, const std::string& place)
+    : Slam(options, num_threads) {
+  graph_ = std::move(contents.graph);
+  keyframes_ = std::move(contents.keyframes);
+  submaps_ = std::move(contents.submaps);
+  scans_ = std::move(contents.scans);
+  if (contents.read.empty()) return;
+  BinaryReader state(contents.state, place);
+  std::array<uint64_t, 5> sizes{};
+  state(sizes);
+  state.Check(sizes == Sizes(), "its tables are not of one moment");
+  VisitState(this, &state);
+  state.CheckEnd();
+  for (const auto& [node, pose] : window_.poses()) {
+    state.Check(graph_.poses().count(node) > 0, "the window has a pose that the graph lacks");
+  }
+  for (const SubmapId submap : tracker_.ActiveSubmaps()) {
+    state.Check(window_.Has(submap), "a submap that grows is not in the window");
+  }
+  for (size_t i = scans_.size() - std::min<size_t>(2, scans_.size()); i < scans_.size(); ++i) {
+    state.Check(window_.Has(scans_[i].keyframe), "the last scans are not in the window");
+  }
+  const bool has_scans = tracker_.RestoreMaps([this](KeyframeId id) -> const PlanarScan* {
+    const bool exists = id.value >= 0 && static_cast<size_t>(id.value) < keyframes_.size();
+    return exists ? &keyframes_[static_cast<size_t>(id.value)].scan : nullptr;
+  });
+  state.Check(has_scans, "a submap that grows has a keyframe that does not exist");
+  auto scan = scans_.begin();
+  for (const SessionContents::ReadScan& read : contents.read) {
+    if (read.result.status == ScanStatus::kSkipped) continue;
+    state.Check(scan != scans_.end(), "a scan has no pose");
+    if (read.result.has_ground) reducer_.AddTerrain(scan->ground, read.result.T_odom_base, scan->tilt);
+    ++scan;
+  }
+}
+
+std::string Slam::SaveState() const {
+  BinaryWriter state;
+  state(Sizes());
+  VisitState(this, &state);
+  return state.bytes();
+}
+
+std::array<uint64_t, 5> Slam::Sizes() const {
+  return {scans_.size(), keyframes_.size(), submaps_.size(), graph_.poses().size(), graph_.constraints().size()};
 }
 
 ScanResult Slam::AddScan(const LaserScan& scan) {

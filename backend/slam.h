@@ -1,6 +1,8 @@
 #ifndef ARBORSLAM_BACKEND_SLAM_H_
 #define ARBORSLAM_BACKEND_SLAM_H_
 
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +13,7 @@
 #include "backend/posed_scan.h"
 #include "backend/scan_result.h"
 #include "backend/slam_options.h"
+#include "backend/store/session_contents.h"
 #include "backend/window/sliding_window.h"
 #include "core/map/occupancy_grid.h"
 #include "core/map/submap.h"
@@ -57,6 +60,10 @@ class Slam {
   /// @param options     valid ones, see the sections' `Validate`.
   /// @param num_threads for `Finish`, at least 1.
   Slam(const SlamOptions& options, int num_threads);
+  /// Goes on with a run where `contents`, of an unfinished session, ends: scans that follow, and the end of the run,
+  /// give the same bits as if it had never been interrupted. `options` must be the session's. Throws `UserError`,
+  /// naming `place`, when the parts of `contents` do not go together.
+  Slam(const SlamOptions& options, int num_threads, SessionContents contents, const std::string& place);
 
   /// Takes the next scan. A scan that is not later than the one before is skipped, and so are scans with too few points
   /// before the first map is begun.
@@ -80,8 +87,22 @@ class Slam {
   const PoseGraph& graph() const { return graph_; }
   const std::vector<Keyframe>& keyframes() const { return keyframes_; }
   const std::vector<Submap>& submaps() const { return submaps_; }
+  const std::vector<PosedScan>& scans() const { return scans_; }
+  const SlidingWindow& window() const { return window_; }
+
+  /// What a run that goes on later needs besides its scans, keyframes, finished submaps and graph: of bounded size.
+  std::string SaveState() const;
 
  private:
+  // What `SaveState` holds.
+  template <class Self, class Archive>
+  static void VisitState(Self* slam, Archive* archive) {
+    (*archive)(slam->window_, slam->tracker_, slam->reducer_, slam->duration_estimator_, slam->duration_guess_,
+               slam->duration_);
+  }
+  // The sizes of all that a state goes with.
+  std::array<uint64_t, 5> Sizes() const;
+
   // True, with a reason, for a scan that comes too late.
   bool IsOutOfOrder(ScanResult* result) const;
   // Tracks a scan from `prediction`: fills the rest of `result`.
@@ -122,6 +143,11 @@ class Slam {
   struct DurationGuess {
     double seconds;
     double stamp_phase;
+
+    template <class Visitor>
+    void VisitState(Visitor&& visit) {
+      visit(seconds, stamp_phase);
+    }
   };
   std::optional<DurationGuess> duration_guess_;
   double duration_ = 0.0;  // [s], that they are taken to last at present.

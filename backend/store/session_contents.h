@@ -26,8 +26,9 @@ struct SessionContents {
   std::vector<ReadScan> read;       ///< In the order of the recording.
   std::vector<PosedScan> scans;     ///< Those of `read` that were not skipped, in their order.
   std::vector<Keyframe> keyframes;  ///< Keyframe i has id i.
-  std::vector<Submap> submaps;      ///< Ascending ids; of an unfinished session also those that were still growing.
+  std::vector<Submap> submaps;      ///< Ascending ids. Of an unfinished session the finished ones, see `Completed`.
   PoseGraph graph;                  ///< T_map_node of all keyframes and submaps, and all measurements.
+  std::string state;                ///< Of an unfinished session: what `Slam` goes on with.
 };
 
 }  // namespace arborslam

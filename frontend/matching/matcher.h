@@ -62,6 +62,11 @@ struct MatchResult {
   int num_points = 0;
   int num_degenerate = 0;  ///< Directions that the map does not determine.
   int64_t num_scored = 0;  ///< Poses and boxes of poses that the search scored.
+
+  template <class Visitor>
+  void VisitState(Visitor&& visit) {
+    visit(verdict, pose, information, score, cost, inlier_ratio, second_score, num_points, num_degenerate, num_scored);
+  }
 };
 
 /// Scan to map by exhaustive-equivalent search and continuous refinement (design section 3, step 6).
