@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "backend/refine/map_refiner.h"
+#include "backend/run_outputs.h"
 #include "backend/terrain/level_estimate.h"
 #include "backend/terrain/terrain_smoother.h"
 #include "core/io/binary_archive.h"
@@ -343,33 +344,14 @@ void Slam::FinishTerrain() {
   }
 }
 
-Trajectory Slam::OptimizedTrajectory() const {
-  Trajectory trajectory;
-  trajectory.reserve(scans_.size());
-  for (const PosedScan& scan : scans_) {
-    trajectory.push_back({scan.stamp, graph_.Pose(scan.keyframe) * scan.T_keyframe_scan});
-  }
-  return trajectory;
-}
+Trajectory Slam::OptimizedTrajectory() const { return TrajectoryOf(graph_, scans_); }
 
-Trajectory3 Slam::OptimizedTrajectory3() const {
-  Trajectory3 trajectory;
-  for (const PosedScan& scan : scans_) {
-    const Eigen::Isometry3d T_map_lidar = Lift(graph_.Pose(scan.keyframe) * scan.T_keyframe_scan, scan.tilt);
-    trajectory.poses.push_back(
-        {scan.stamp, T_map_lidar.translation(), Eigen::Quaterniond(T_map_lidar.linear()).normalized()});
-  }
-  return trajectory;
-}
+Trajectory3 Slam::OptimizedTrajectory3() const { return Trajectory3Of(graph_, scans_); }
 
 OccupancyGrid Slam::BuildMap(double cell_size) const {
   OccupancyGridOptions options = options_.grid;
   if (cell_size > 0.0) options.cell_size = cell_size;
-  OccupancyGrid map(options);
-  for (const Keyframe& keyframe : keyframes_) {
-    if (keyframe.is_inserted) map.Insert(graph_.Pose(keyframe.id), keyframe.scan);
-  }
-  return map;
+  return MapOf(graph_, keyframes_, options);
 }
 
 }  // namespace arborslam

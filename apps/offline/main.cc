@@ -22,6 +22,7 @@
 #include "apps/common/progress_bar.h"
 #include "apps/offline/cloud.h"
 #include "apps/offline/footprints.h"
+#include "apps/offline/graph_export.h"
 #include "apps/offline/html_report.h"
 #include "apps/offline/map_picture.h"
 #include "apps/offline/offline_options.h"
@@ -247,23 +248,6 @@ std::string EvaluateRun(const Trajectory3& trajectory, const Trajectory3& odomet
   }
 }
 
-// The graph for other programs: keyframes keep their numbers, submaps follow them.
-PoseGraph2 ToG2o(const Slam& slam) {
-  const int num_keyframes = static_cast<int>(slam.keyframes().size());
-  const auto number = [num_keyframes](NodeId id) {
-    return id.kind == NodeId::Kind::kKeyframe ? id.value : num_keyframes + id.value;
-  };
-  // What a degenerate measurement does not say, g2o must be told very weakly: it wants positive definite matrices.
-  const Eigen::Matrix3d least = 1e-6 * Eigen::Matrix3d::Identity();
-  PoseGraph2 graph;
-  for (const auto& [id, pose] : slam.graph().poses()) graph.vertices[number(id)] = pose;
-  for (const Constraint& constraint : slam.graph().constraints()) {
-    graph.edges.push_back(
-        {number(constraint.from), number(constraint.to), constraint.T_from_to, constraint.information + least});
-  }
-  return graph;
-}
-
 // What the score of a scan is held to.
 std::vector<ScoreGate> ScoreGates(const SlamOptions& options) {
   return {{options.tracker.wide_score, "searched wide (tracker.wide_score)"},
@@ -338,7 +322,7 @@ void WriteResults(const std::filesystem::path& folder, const SlamOptions& option
   } else {
     WritePly((folder / kCloudFile).string(), maps.cloud, ColourByHeight(maps.cloud));
   }
-  WriteG2o((folder / "graph.g2o").string(), ToG2o(slam));
+  WriteG2o((folder / "graph.g2o").string(), ToG2o(slam.graph()));
   WriteFileAtomically((folder / "effective_config.yaml").string(), effective_config);
   WriteFileAtomically((folder / "summary.json").string(), SummaryJson(record));
   const ReportInput report{record,     slam.submaps(), effective_config,   &maps.plane,

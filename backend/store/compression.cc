@@ -3,8 +3,6 @@
 #include <glog/logging.h>
 #include <zstd.h>
 
-#include <memory>
-
 #include "core/error.h"
 
 namespace arborslam {
@@ -16,13 +14,17 @@ constexpr unsigned long long kMostBytes = 1ull << 28;
 
 }  // namespace
 
-std::string Compress(std::string_view bytes) {
-  const std::unique_ptr<ZSTD_CCtx, size_t (*)(ZSTD_CCtx*)> context(ZSTD_createCCtx(), &ZSTD_freeCCtx);
-  CHECK(context != nullptr);
-  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, kLevel);
-  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_checksumFlag, 1);
+void Compressor::Deleter::operator()(ZSTD_CCtx_s* context) const { ZSTD_freeCCtx(context); }
+
+Compressor::Compressor() : context_(ZSTD_createCCtx()) {
+  CHECK(context_ != nullptr);
+  ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_compressionLevel, kLevel);
+  ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_checksumFlag, 1);
+}
+
+std::string Compressor::Compress(std::string_view bytes) {
   std::string frame(ZSTD_compressBound(bytes.size()), '\0');
-  const size_t size = ZSTD_compress2(context.get(), frame.data(), frame.size(), bytes.data(), bytes.size());
+  const size_t size = ZSTD_compress2(context_.get(), frame.data(), frame.size(), bytes.data(), bytes.size());
   CHECK(ZSTD_isError(size) == 0) << ZSTD_getErrorName(size);
   frame.resize(size);
   return frame;

@@ -10,7 +10,7 @@
 namespace arborslam {
 
 // A session is an SQLite file; its application id says so, its user version is that of the format. Poses are columns
-// (x, y [m], theta [rad]); scans, submaps and states are `BinaryWriter`s' bytes, each a frame of `Compress`.
+// (x, y [m], theta [rad]); scans, submaps and states are `BinaryWriter`s' bytes, each a frame of `Compressor`.
 //
 //     session      key, value: see `kSession...`
 //     scans        every scan that was read, in order: `ScanResult`, and `PosedScan` when it was not skipped

@@ -8,7 +8,6 @@
 #include <system_error>
 #include <utility>
 
-#include "backend/store/compression.h"
 #include "core/error.h"
 #include "core/io/binary_archive.h"
 
@@ -19,10 +18,10 @@ namespace {
 constexpr std::array<const char*, 3> kSideFiles = {"-wal", "-shm", "-journal"};
 
 template <class... Values>
-std::string Packed(const Values&... values) {
+std::string Packed(Compressor* compressor, const Values&... values) {
   BinaryWriter bytes;
   bytes(values...);
-  return Compress(bytes.bytes());
+  return compressor->Compress(bytes.bytes());
 }
 
 void SetValue(Database* database, const char* key, const std::string& text) {
@@ -112,13 +111,14 @@ std::unique_ptr<SessionWriter> SessionWriter::Create(const std::string& path, co
 
 std::unique_ptr<SessionWriter> SessionWriter::Continue(const std::string& path, const SessionContents& contents) {
   Written written;
+  written.may_have_end = true;
   written.read = contents.read.size();
   written.posed = contents.scans.size();
   written.keyframes = contents.keyframes.size();
   written.submaps = contents.submaps.size();
   written.constraints = contents.graph.constraints().size();
   written.submap_nodes = contents.graph.poses().size() - contents.keyframes.size();
-  // Which of them the window still moves is not known here; few transactions write them all.
+  // Which of them the window still moves is not known here: the first transaction writes them all.
   for (const auto& [id, pose] : contents.graph.poses()) written.open.push_back(id);
   return std::unique_ptr<SessionWriter>(new SessionWriter(path, std::move(written)));
 }
@@ -149,7 +149,7 @@ void SessionWriter::Add(uint64_t fingerprint, const ScanResult& result, const Sl
   statements_->scan.Bind(static_cast<int64_t>(written_.read))
       .Bind(result.stamp)
       .Bind(static_cast<int64_t>(result.status))
-      .BindBytes(is_posed ? Packed(result, slam.scans().back()) : Packed(result))
+      .BindBytes(is_posed ? Packed(&compressor_, result, slam.scans().back()) : Packed(&compressor_, result))
       .Bind(static_cast<int64_t>(fingerprint))
       .Run();
   ++written_.read;
@@ -160,14 +160,17 @@ void SessionWriter::Add(uint64_t fingerprint, const ScanResult& result, const Sl
 
 void SessionWriter::Commit(const Slam& slam) {
   Begin();
-  DeleteFinished(&database_);
-  SetFinished(&database_, false);
+  if (written_.may_have_end) {
+    DeleteFinished(&database_);
+    SetFinished(&database_, false);
+    written_.may_have_end = false;
+  }
   WritePoses(slam);
   for (; written_.keyframes < slam.keyframes().size(); ++written_.keyframes) {
     const Keyframe& keyframe = slam.keyframes()[written_.keyframes];
     statements_->keyframe.Bind(static_cast<int64_t>(keyframe.id.value))
         .Bind(static_cast<int64_t>(keyframe.is_inserted))
-        .BindBytes(Packed(keyframe.scan))
+        .BindBytes(Packed(&compressor_, keyframe.scan))
         .Run();
   }
   for (; written_.constraints < slam.graph().constraints().size(); ++written_.constraints) {
@@ -176,7 +179,7 @@ void SessionWriter::Commit(const Slam& slam) {
   for (; written_.submaps < slam.submaps().size(); ++written_.submaps) {
     WriteSubmap(SessionStage::kTracked, slam.submaps()[written_.submaps]);
   }
-  statements_->state.BindBytes(Packed(slam.SaveState())).Run();
+  statements_->state.BindBytes(Packed(&compressor_, slam.SaveState())).Run();
   database_.Execute("COMMIT");
   in_transaction_ = false;
   last_commit_ = std::chrono::steady_clock::now();
@@ -226,13 +229,12 @@ void SessionWriter::WriteConstraint(SessionStage stage, size_t id, const Constra
 void SessionWriter::WriteSubmap(SessionStage stage, const Submap& submap) {
   statements_->submap.Bind(static_cast<int64_t>(stage))
       .Bind(static_cast<int64_t>(submap.id.value))
-      .BindBytes(Packed(submap))
+      .BindBytes(Packed(&compressor_, submap))
       .Run();
 }
 
 void SessionWriter::Finish(const Slam& slam, double stamp_shift) {
   Begin();
-  DeleteFinished(&database_);
   for (const auto& [id, pose] : slam.graph().poses()) WritePose(SessionStage::kFinished, id, pose);
   for (size_t i = 0; i < slam.graph().constraints().size(); ++i) {
     WriteConstraint(SessionStage::kFinished, i, slam.graph().constraints()[i]);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "backend/slam.h"
+#include "backend/store/compression.h"
 #include "backend/store/database.h"
 #include "backend/store/session_contents.h"
 #include "backend/store/session_format.h"
@@ -37,7 +38,8 @@ class SessionWriter {
   void Add(uint64_t fingerprint, const ScanResult& result, const Slam& slam);
   /// Ends the present transaction with all that is new in `slam`, whose run has not ended.
   void Commit(const Slam& slam);
-  /// Writes what the end of the run came to, after `Commit` and `Slam::Finish`, and closes the session: a single file.
+  /// Writes what the end of the run came to, after `Commit` and `Slam::Finish`, once, and closes the session: a single
+  /// file.
   /// @param stamp_shift [s], of `FinishResult::sweep_duration`, or 0.
   void Finish(const Slam& slam, double stamp_shift);
 
@@ -53,7 +55,8 @@ class SessionWriter {
     size_t submaps = 0;
     size_t submap_nodes = 0;
     size_t constraints = 0;
-    std::vector<NodeId> open;  // Poses that may have moved since.
+    bool may_have_end = false;  // What `Finish` writes.
+    std::vector<NodeId> open;   // Poses that may have moved since.
   };
 
   SessionWriter(const std::string& path, Written written);
@@ -66,6 +69,7 @@ class SessionWriter {
 
   struct Statements;
 
+  Compressor compressor_;
   Database database_;
   std::unique_ptr<Statements> statements_;
   Written written_;
