@@ -63,7 +63,7 @@ struct PlaceRecognition {
 /// by branch and bound, and the best match counts only if it is clean and without rival, that is if neither another
 /// candidate elsewhere nor any pose within `rival_translation` around it (a tree or a row away) is nearly as good.
 /// A single answer may still be wrong, where a world repeats itself farther off than the candidates tell; who cannot
-/// bear that asks with several scans (`Localizer`, `SessionMerger`). Immutable: may be asked from several threads.
+/// bear that asks with several scans (`Localizer`). Immutable: may be asked from several threads.
 class PlaceRecognizer {
  public:
   /// @param graph, keyframes, submaps the map, keyframe i with id i; must outlive this object.
@@ -74,8 +74,6 @@ class PlaceRecognizer {
   /// @param points  [m], base frame.
   /// @param targets of the same submaps; the calling thread's own.
   PlaceRecognition Recognize(const std::vector<Eigen::Vector2f>& points, SubmapTargets* targets) const;
-
-  size_t num_places() const { return places_.size(); }
 
  private:
   struct Place {
