@@ -6,8 +6,10 @@
 #include <utility>
 
 #include "backend/refine/map_refiner.h"
+#include "backend/run_outputs.h"
 #include "backend/terrain/level_estimate.h"
 #include "backend/terrain/terrain_smoother.h"
+#include "core/io/binary_archive.h"
 #include "core/stopwatch.h"
 #include "frontend/tracking/terrain_fit.h"
 
@@ -37,6 +39,53 @@ Slam::Slam(const SlamOptions& options, int num_threads)
       motion_noise_(options.motion),
       tracker_(options.tracker, options.grid, options.matcher.max_distance, matcher_) {
   CHECK_GE(num_threads, 1);
+}
+
+Slam::Slam(const SlamOptions& options, int num_threads, SessionContents contents, const std::string& place)
+    : Slam(options, num_threads) {
+  graph_ = std::move(contents.graph);
+  keyframes_ = std::move(contents.keyframes);
+  submaps_ = std::move(contents.submaps);
+  scans_ = std::move(contents.scans);
+  if (contents.read.empty()) return;
+  BinaryReader state(contents.state, place);
+  std::array<uint64_t, 5> sizes{};
+  state(sizes);
+  state.Check(sizes == Sizes(), "its tables are not of one moment");
+  VisitState(this, &state);
+  state.CheckEnd();
+  for (const auto& [node, pose] : window_.poses()) {
+    state.Check(graph_.poses().count(node) > 0, "the window has a pose that the graph lacks");
+  }
+  for (const SubmapId submap : tracker_.ActiveSubmaps()) {
+    state.Check(window_.Has(submap), "a submap that grows is not in the window");
+  }
+  for (size_t i = scans_.size() - std::min<size_t>(2, scans_.size()); i < scans_.size(); ++i) {
+    state.Check(window_.Has(scans_[i].keyframe), "the last scans are not in the window");
+  }
+  const bool has_scans = tracker_.RestoreMaps([this](KeyframeId id) -> const PlanarScan* {
+    const bool exists = id.value >= 0 && static_cast<size_t>(id.value) < keyframes_.size();
+    return exists ? &keyframes_[static_cast<size_t>(id.value)].scan : nullptr;
+  });
+  state.Check(has_scans, "a submap that grows has a keyframe that does not exist");
+  auto scan = scans_.begin();
+  for (const SessionContents::ReadScan& read : contents.read) {
+    if (read.result.status == ScanStatus::kSkipped) continue;
+    state.Check(scan != scans_.end(), "a scan has no pose");
+    if (read.result.has_ground) reducer_.AddTerrain(scan->ground, read.result.T_odom_base, scan->tilt);
+    ++scan;
+  }
+}
+
+std::string Slam::SaveState() const {
+  BinaryWriter state;
+  state(Sizes());
+  VisitState(this, &state);
+  return state.bytes();
+}
+
+std::array<uint64_t, 5> Slam::Sizes() const {
+  return {scans_.size(), keyframes_.size(), submaps_.size(), graph_.poses().size(), graph_.constraints().size()};
 }
 
 ScanResult Slam::AddScan(const LaserScan& scan) {
@@ -331,33 +380,14 @@ void Slam::FinishTerrain() {
   }
 }
 
-Trajectory Slam::OptimizedTrajectory() const {
-  Trajectory trajectory;
-  trajectory.reserve(scans_.size());
-  for (const PosedScan& scan : scans_) {
-    trajectory.push_back({scan.stamp, graph_.Pose(scan.keyframe) * scan.T_keyframe_scan});
-  }
-  return trajectory;
-}
+Trajectory Slam::OptimizedTrajectory() const { return TrajectoryOf(graph_, scans_); }
 
-Trajectory3 Slam::OptimizedTrajectory3() const {
-  Trajectory3 trajectory;
-  for (const PosedScan& scan : scans_) {
-    const Eigen::Isometry3d T_map_lidar = Lift(graph_.Pose(scan.keyframe) * scan.T_keyframe_scan, scan.tilt);
-    trajectory.poses.push_back(
-        {scan.stamp, T_map_lidar.translation(), Eigen::Quaterniond(T_map_lidar.linear()).normalized()});
-  }
-  return trajectory;
-}
+Trajectory3 Slam::OptimizedTrajectory3() const { return Trajectory3Of(graph_, scans_); }
 
 OccupancyGrid Slam::BuildMap(double cell_size) const {
   OccupancyGridOptions options = options_.grid;
   if (cell_size > 0.0) options.cell_size = cell_size;
-  OccupancyGrid map(options);
-  for (const Keyframe& keyframe : keyframes_) {
-    if (keyframe.is_inserted) map.Insert(graph_.Pose(keyframe.id), keyframe.scan);
-  }
-  return map;
+  return MapOf(graph_, keyframes_, options);
 }
 
 }  // namespace arborslam

@@ -1,6 +1,8 @@
 #ifndef ARBORSLAM_BACKEND_SLAM_H_
 #define ARBORSLAM_BACKEND_SLAM_H_
 
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,12 +10,13 @@
 #include "backend/graph/pose_graph.h"
 #include "backend/keyframe.h"
 #include "backend/loop/loop_closer.h"
+#include "backend/posed_scan.h"
+#include "backend/scan_result.h"
 #include "backend/slam_options.h"
+#include "backend/store/session_contents.h"
 #include "backend/window/sliding_window.h"
-#include "core/geometry/tilt.h"
 #include "core/map/occupancy_grid.h"
 #include "core/map/submap.h"
-#include "core/sensor/ground_sample.h"
 #include "core/sensor/laser_scan.h"
 #include "core/sensor/lidar_sweep.h"
 #include "core/sensor/stamped_pose.h"
@@ -24,33 +27,6 @@
 #include "frontend/tracking/tracker.h"
 
 namespace arborslam {
-
-/// What became of a scan.
-enum class ScanStatus {
-  kMatched,    ///< Its pose was measured.
-  kPredicted,  ///< Rejected: its pose is the motion model's, as the window sees it.
-  kSkipped,    ///< It has no pose.
-};
-
-/// One scan's result, as known when it came.
-struct ScanResult {
-  double stamp = 0.0;  ///< [s], the middle of the sweep as it was taken to be then.
-  ScanStatus status = ScanStatus::kSkipped;
-  std::string reason;          ///< Why the scan was not matched; empty if it was.
-  SE2 T_odom_base;             ///< The window's estimate; meaningless when skipped.
-  Tilt3 tilt;                  ///< Of the lidar over T_odom_base; all 0 for planar scans.
-  bool has_ground = true;      ///< False: a sweep in which no ground was found; its tilt is that of the one before.
-  int num_moving = 0;          ///< Planar points left out since they move.
-  MatchResult match;           ///< To the older active submap.
-  bool is_keyframe = false;    ///< Kept as a variable of the estimation.
-  bool is_inserted = false;    ///< Clean enough to become part of the maps.
-  bool searched_wide = false;  ///< The search around the prediction found nothing good.
-  // [ms]
-  double project_ms = 0.0;  ///< Reduction to planar points: for a sweep deskewing, ground, projection, moving things.
-  double match_ms = 0.0;    ///< Prediction, search, refinement, distance fields.
-  double window_ms = 0.0;   ///< Smoothing and marginalisation.
-  double insert_ms = 0.0;   ///< Maps.
-};
 
 /// How long the sweeps of a recording last that does not tell (`LidarSweep::is_duration_guessed`).
 struct SweepDurationResult {
@@ -85,6 +61,10 @@ class Slam {
   /// @param options     valid ones, see the sections' `Validate`.
   /// @param num_threads for `Finish`, at least 1.
   Slam(const SlamOptions& options, int num_threads);
+  /// Goes on with a run where `contents`, of an unfinished session, ends: scans that follow, and the end of the run,
+  /// give the same bits as if it had never been interrupted. `options` must be the session's. Throws `UserError`,
+  /// naming `place`, when the parts of `contents` do not go together.
+  Slam(const SlamOptions& options, int num_threads, SessionContents contents, const std::string& place);
 
   /// Takes the next scan. A scan that is not later than the one before is skipped, and so are scans with too few points
   /// before the first map is begun.
@@ -108,20 +88,21 @@ class Slam {
   const PoseGraph& graph() const { return graph_; }
   const std::vector<Keyframe>& keyframes() const { return keyframes_; }
   const std::vector<Submap>& submaps() const { return submaps_; }
+  const std::vector<PosedScan>& scans() const { return scans_; }
+  const SlidingWindow& window() const { return window_; }
+
+  /// What a run that goes on later needs besides its scans, keyframes, finished submaps and graph: of bounded size.
+  std::string SaveState() const;
 
  private:
-  // A scan that has a pose.
-  struct PosedScan {
-    double stamp;
-    KeyframeId keyframe;
-    SE2 T_keyframe_scan;
-    // Of sweeps in space.
-    Tilt3 tilt;
-    Tilt3 local_tilt;
-    std::vector<GroundSample> ground;
-    Tilt3 odometry_tilt;             // With which `lines` were measured.
-    std::vector<UprightLine> lines;  // Of keyframes.
-  };
+  // What `SaveState` holds.
+  template <class Self, class Archive>
+  static void VisitState(Self* slam, Archive* archive) {
+    (*archive)(slam->window_, slam->tracker_, slam->reducer_, slam->motion_noise_, slam->duration_estimator_,
+               slam->duration_guess_, slam->duration_);
+  }
+  // The sizes of all that a state goes with.
+  std::array<uint64_t, 5> Sizes() const;
 
   // True, with a reason, for a scan that comes too late.
   bool IsOutOfOrder(ScanResult* result) const;
@@ -167,6 +148,11 @@ class Slam {
   struct DurationGuess {
     double seconds;
     double stamp_phase;
+
+    template <class Visitor>
+    void VisitState(Visitor&& visit) {
+      visit(seconds, stamp_phase);
+    }
   };
   std::optional<DurationGuess> duration_guess_;
   double duration_ = 0.0;  // [s], that they are taken to last at present.

@@ -22,12 +22,17 @@
 #include "apps/common/progress_bar.h"
 #include "apps/offline/cloud.h"
 #include "apps/offline/footprints.h"
+#include "apps/offline/graph_export.h"
 #include "apps/offline/html_report.h"
 #include "apps/offline/map_picture.h"
 #include "apps/offline/offline_options.h"
 #include "apps/offline/second_pass.h"
 #include "apps/offline/summary.h"
 #include "backend/slam.h"
+#include "backend/store/fingerprint.h"
+#include "backend/store/session_contents.h"
+#include "backend/store/session_reader.h"
+#include "backend/store/session_writer.h"
 #include "core/config/config_schema.h"
 #include "core/error.h"
 #include "core/io/atomic_file.h"
@@ -43,6 +48,7 @@
 
 DEFINE_string(input, "", "recording to process");
 DEFINE_string(output, "", "folder for the results");
+DEFINE_string(session, "", "session to go on with");
 DEFINE_string(config, "", "YAML file with options");
 DEFINE_string(ground_truth, "", "reference trajectory to report errors against");
 DEFINE_int32(threads, 0, "threads for loop closure and optimisation, 0: all cores");
@@ -62,7 +68,9 @@ and options give the same results, bit by bit, for any number of threads.
   --input PATH           recording: a folder of 3D sweeps (KITTI .bin, .pcd or .ply, with timestamps.txt or times.txt),
                          or a .npz file of planar scans: scan0 (N x B ranges [m]) and time (N stamps [s])
   --output DIR           created if it does not exist
-  --config FILE.yaml     options; config/default.yaml lists them all
+  --session FILE.db      goes on with an interrupted run: --input is the recording that it was made from; what the
+                         session holds already is not tracked again, and the results are those of a run in one piece
+  --config FILE.yaml     options; config/default.yaml lists them all; with --session, those of the session come first
   --set SECTION.KEY=VALUE ...
                          one option each, after the file's
   --ground_truth FILE    TUM file or .npz with gnss_rotated_c; reported against, never used
@@ -74,7 +82,8 @@ and options give the same results, bit by bit, for any number of threads.
 
 Writes trajectory.tum (optimised pose of every scan used), odometry.tum (the causal estimate, as known when the scan came),
 map.pgm + map.yaml (ROS map_server), map.png, cloud.ply (3D map, from 3D sweeps), graph.g2o, summary.json (counts, rejected scans with reasons, loops, times,
-memory, errors), report.html (all of this for the browser, in one file) and effective_config.yaml. A pose's stamp is the
+memory, errors), report.html (all of this for the browser, in one file) and effective_config.yaml; and session.db, the
+run as it goes, from which --session and arborslam_session start, also when this program was killed. A pose's stamp is the
 middle of its sweep. Ctrl-C ends the reading early and keeps what there is (exit code 130), but makes no 3D map; a second
 one ends the program at once.
 )";
@@ -83,6 +92,7 @@ one ends the program at once.
 constexpr int kExitSignalled = 128;
 
 constexpr char kCloudFile[] = "cloud.ply";
+constexpr char kSessionFile[] = "session.db";
 constexpr std::array<const char*, 10> kResultFiles = {
     "trajectory.tum", "odometry.tum", "map.yaml",     "map.pgm",     "map.png",
     kCloudFile,       "graph.g2o",    "summary.json", "report.html", "effective_config.yaml"};
@@ -130,6 +140,10 @@ std::filesystem::path PrepareOutput() {
     }
     AtomicFile writable(result.string());
   }
+  std::error_code ignored;
+  if (std::filesystem::equivalent(FLAGS_input, folder / kSessionFile, ignored)) {
+    throw UserError(FLAGS_input, "would be overwritten by the result of that name", "choose another --output");
+  }
   return folder;
 }
 
@@ -138,22 +152,54 @@ StampedPose3 ToStampedPose3(const ScanResult& result) {
   return {result.stamp, T_odom_lidar.translation(), Eigen::Quaterniond(T_odom_lidar.linear()).normalized()};
 }
 
-// Feeds the recording to `slam`; fills the record's scans and the causal trajectory. True if the scans are in space.
-bool Track(ScanSource* source, Slam* slam, RunRecord* record, Trajectory3* odometry) {
+// Passes over the scans that the session `read` holds, which must be those of the recording; fills the record's scans
+// and the causal trajectory with what it says of them. True if the scans are in space.
+bool SkipTracked(ScanSource* source, const std::vector<SessionContents::ReadScan>& read, RunRecord* record,
+                 Trajectory3* odometry) {
+  bool has_sweeps = false;
+  for (size_t i = 0; i < read.size(); ++i) {
+    const std::optional<Scan> scan = source->Next();
+    if (!scan) {
+      throw UserError(FLAGS_input,
+                      "holds " + std::to_string(i) + " scans, but the session " + FLAGS_session + " was made from " +
+                          std::to_string(read.size()),
+                      "give the recording that the session was made from");
+    }
+    has_sweeps = std::holds_alternative<LidarSweep>(*scan);
+    const double stamp = has_sweeps ? std::get<LidarSweep>(*scan).Middle() : std::get<LaserScan>(*scan).stamp;
+    const bool is_known = read[i].fingerprint != 0;
+    if (stamp != read[i].result.stamp || (is_known && FingerprintOf(*scan) != read[i].fingerprint)) {
+      throw UserError(
+          FLAGS_input,
+          "scan " + std::to_string(i + 1) + " is not the one that the session " + FLAGS_session + " was made from",
+          "give the recording that the session was made from; another one needs a session of its own");
+    }
+    record->scans.push_back(read[i].result);
+    if (read[i].result.status != ScanStatus::kSkipped) odometry->poses.push_back(ToStampedPose3(read[i].result));
+  }
+  return has_sweeps;
+}
+
+// Feeds the recording to `slam` and the session; fills the record's scans and the causal trajectory. True if the scans
+// are in space.
+bool Track(ScanSource* source, const std::vector<SessionContents::ReadScan>& read, Slam* slam, SessionWriter* session,
+           RunRecord* record, Trajectory3* odometry) {
   std::optional<size_t> total = source->NumScans();
   if (total && FLAGS_max_scans > 0) total = std::min(*total, static_cast<size_t>(FLAGS_max_scans));
   ProgressBar progress(std::cerr, total, StderrIsTerminal() && !FLAGS_quiet);
-  bool has_sweeps = false;
+  bool has_sweeps = SkipTracked(source, read, record, odometry);
   while (g_signal == 0 && (FLAGS_max_scans == 0 || record->scans.size() < static_cast<size_t>(FLAGS_max_scans))) {
     const std::optional<Scan> scan = source->Next();
     if (!scan) break;
     has_sweeps = std::holds_alternative<LidarSweep>(*scan);
     record->scans.push_back(std::visit([slam](const auto& any) { return slam->AddScan(any); }, *scan));
     const ScanResult& result = record->scans.back();
+    session->Add(FingerprintOf(*scan), result, *slam);
     if (result.status != ScanStatus::kSkipped) odometry->poses.push_back(ToStampedPose3(result));
     progress.Update(record->scans.size());
   }
   record->is_interrupted = g_signal != 0;
+  session->Commit(*slam);
   return has_sweeps;
 }
 
@@ -200,23 +246,6 @@ std::string EvaluateRun(const Trajectory3& trajectory, const Trajectory3& odomet
     record->notices.push_back(std::string("No errors against the ground truth: ") + error.what() + ".");
     return error.what();
   }
-}
-
-// The graph for other programs: keyframes keep their numbers, submaps follow them.
-PoseGraph2 ToG2o(const Slam& slam) {
-  const int num_keyframes = static_cast<int>(slam.keyframes().size());
-  const auto number = [num_keyframes](NodeId id) {
-    return id.kind == NodeId::Kind::kKeyframe ? id.value : num_keyframes + id.value;
-  };
-  // What a degenerate measurement does not say, g2o must be told very weakly: it wants positive definite matrices.
-  const Eigen::Matrix3d least = 1e-6 * Eigen::Matrix3d::Identity();
-  PoseGraph2 graph;
-  for (const auto& [id, pose] : slam.graph().poses()) graph.vertices[number(id)] = pose;
-  for (const Constraint& constraint : slam.graph().constraints()) {
-    graph.edges.push_back(
-        {number(constraint.from), number(constraint.to), constraint.T_from_to, constraint.information + least});
-  }
-  return graph;
 }
 
 // What the score of a scan is held to.
@@ -293,7 +322,7 @@ void WriteResults(const std::filesystem::path& folder, const SlamOptions& option
   } else {
     WritePly((folder / kCloudFile).string(), maps.cloud, ColourByHeight(maps.cloud));
   }
-  WriteG2o((folder / "graph.g2o").string(), ToG2o(slam));
+  WriteG2o((folder / "graph.g2o").string(), ToG2o(slam.graph()));
   WriteFileAtomically((folder / "effective_config.yaml").string(), effective_config);
   WriteFileAtomically((folder / "summary.json").string(), SummaryJson(record));
   const ReportInput report{record,     slam.submaps(), effective_config,   &maps.plane,
@@ -301,14 +330,47 @@ void WriteResults(const std::filesystem::path& folder, const SlamOptions& option
   WriteFileAtomically((folder / "report.html").string(), HtmlReport(report));
 }
 
+// The options that scans are tracked by: those of all sections but those that only the end of a run reads.
+std::string TrackingConfig(OfflineOptions options) {
+  ConfigSchema schema;
+  options.VisitSections([&schema](const std::string& name, auto& section) {
+    for (const char* last : {"loop", "graph", "map_refinement", "map", "cloud"}) {
+      if (name == last) return;
+    }
+    schema.AddSection(name, &section);
+  });
+  return schema.ToYaml();
+}
+
+// The session of this run in `folder`: a new one, or, with --session, that one or a copy of it, which holds `tracked`.
+std::unique_ptr<SessionWriter> OpenSession(const std::filesystem::path& folder, const std::string& config,
+                                           const SessionContents& tracked) {
+  const std::string path = (folder / kSessionFile).string();
+  if (FLAGS_session.empty()) return SessionWriter::Create(path, config, FLAGS_input);
+  std::error_code error;
+  if (!std::filesystem::equivalent(FLAGS_session, path, error)) CopySession(FLAGS_session, path);
+  return SessionWriter::Continue(path, tracked);
+}
+
 int Run(const MultiFlags& multi_flags) {
   CheckFlags();
   OfflineOptions options;
   ConfigSchema schema;
   options.VisitSections([&schema](const std::string& name, auto& section) { schema.AddSection(name, &section); });
+  SessionContents tracked;
+  if (!FLAGS_session.empty()) {
+    tracked = ReadTracked(FLAGS_session);
+    schema.LoadYaml(tracked.config, FLAGS_session + ", options");
+  }
+  const std::string tracking_before = TrackingConfig(options);
   if (!FLAGS_config.empty()) schema.LoadYamlFile(FLAGS_config);
   for (const std::string& assignment : multi_flags.at("set")) schema.ApplyOverride(assignment);
   schema.ValidateAll();
+  if (!FLAGS_session.empty() && TrackingConfig(options) != tracking_before) {
+    throw UsageError("--config or --set differs from what the session " + FLAGS_session +
+                     " was tracked with; with --session only the sections loop, graph, map_refinement, map and cloud "
+                     "can be changed");
+  }
 
   std::optional<Trajectory3> reference;
   if (!FLAGS_ground_truth.empty()) reference = ReadTrajectory(FLAGS_ground_truth);
@@ -327,11 +389,14 @@ int Run(const MultiFlags& multi_flags) {
   std::signal(SIGINT, &OnSignal);
   std::signal(SIGTERM, &OnSignal);
   Stopwatch stopwatch;
-  Slam slam(options.slam, record.num_threads);
+  const std::unique_ptr<SessionWriter> session = OpenSession(folder, schema.ToYaml(), tracked);
+  const std::vector<SessionContents::ReadScan> read = tracked.read;
+  Slam slam(options.slam, record.num_threads, std::move(tracked), FLAGS_session);
   Trajectory3 odometry;
-  const bool has_sweeps = Track(source.get(), &slam, &record, &odometry);
+  const bool has_sweeps = Track(source.get(), read, &slam, session.get(), &record, &odometry);
   RequireKeyframes(slam, record);
   record.finish = slam.Finish(FLAGS_odometry_only);
+  session->Finish(slam, record.finish.sweep_duration ? record.finish.sweep_duration->stamp_shift : 0.0);
   if (record.finish.sweep_duration) TakeDuration(*record.finish.sweep_duration, &record, &odometry);
   record.num_submaps = slam.submaps().size();
   Maps maps;

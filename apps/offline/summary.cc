@@ -81,6 +81,8 @@ std::string SummaryJson(const RunRecord& record) {
                           {"submap", loop.submap.value},
                           {"accepted", loop.accepted},
                           {"reason", loop.reason},
+                          {"search_translation_m", loop.search_translation},
+                          {"search_rotation_rad", loop.search_rotation},
                           {"mhd_m", loop.match.score},
                           {"inlier_ratio", loop.match.inlier_ratio},
                           {"second_best_mhd_m", loop.match.second_score}});

@@ -21,6 +21,11 @@ struct MarginalPrior {
   std::vector<SE2> linearisation_point;  ///< n poses.
   Eigen::MatrixXd jacobian;              ///< r x 3n.
   Eigen::VectorXd offset;                ///< r.
+
+  template <class Visitor>
+  void VisitState(Visitor&& visit) {
+    visit(linearisation_point, jacobian, offset);
+  }
 };
 
 /// The cost of `prior`, over its n poses as blocks of x, y, theta. The caller owns the result.

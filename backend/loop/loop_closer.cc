@@ -1,9 +1,16 @@
 #include "backend/loop/loop_closer.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
 #include <nanoflann.hpp>
+#include <optional>
 #include <set>
+#include <utility>
 
+#include "backend/loop/relative_uncertainty.h"
 #include "core/config/validation.h"
 #include "core/parallel.h"
 
@@ -24,6 +31,81 @@ struct Positions {
 };
 using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Positions>, Positions, 2>;
 
+// A keyframe to be tried against a submap.
+struct Pair {
+  KeyframeId keyframe;
+  double distance;            // [m] from the submap's path.
+  double search_translation;  // [m]
+  double search_rotation;     // [rad]
+};
+
+// So many standard deviations around the prediction are searched.
+constexpr double kSearchedSigmas = 3.0;
+
+// The window for a keyframe that is known with `covariance`; without one, the widest.
+Pair WithWindow(Pair pair, const std::optional<Eigen::Matrix3d>& covariance, const LoopOptions& options) {
+  pair.search_translation = options.max_search_translation;
+  pair.search_rotation = options.max_search_rotation;
+  if (!covariance) return pair;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance->topLeftCorner<2, 2>(), Eigen::EigenvaluesOnly);
+  const double translation = kSearchedSigmas * std::sqrt(std::max(0.0, axes.eigenvalues().maxCoeff()));
+  const double rotation = kSearchedSigmas * std::sqrt(std::max(0.0, (*covariance)(2, 2)));
+  pair.search_translation = std::clamp(translation, options.search_translation, options.max_search_translation);
+  pair.search_rotation = std::clamp(rotation, options.search_rotation, options.max_search_rotation);
+  return pair;
+}
+
+// The keyframes that may see a submap of which the graph knows nothing yet, in their order.
+std::vector<Pair> PairsOf(const Submap& submap, const std::vector<Keyframe>& keyframes, const Positions& positions,
+                          const KdTree& tree, const RelativeUncertainty::View& uncertainty,
+                          const std::set<std::pair<int, int>>& known, const LoopOptions& options) {
+  // What is not known well may be nearer than it seems.
+  const double reach = options.candidate_radius + options.max_search_translation - options.search_translation;
+  std::vector<double> squared_distances(keyframes.size(), std::numeric_limits<double>::infinity());
+  for (const KeyframeId member : submap.keyframes) {
+    std::vector<std::pair<uint32_t, double>> hits;
+    tree.radiusSearch(positions.points[static_cast<size_t>(member.value)].data(), reach * reach, hits,
+                      nanoflann::SearchParams());
+    for (const auto& [index, squared_distance] : hits) {
+      squared_distances[index] = std::min(squared_distances[index], squared_distance);
+    }
+  }
+  for (const KeyframeId member : submap.keyframes) {
+    squared_distances[static_cast<size_t>(member.value)] = std::numeric_limits<double>::infinity();
+  }
+  std::vector<Pair> pairs;
+  for (size_t i = 0; i < keyframes.size(); i += static_cast<size_t>(options.keyframe_stride)) {
+    const KeyframeId id = keyframes[i].id;
+    if (!std::isfinite(squared_distances[i]) || !keyframes[i].is_inserted) continue;
+    if (known.count({submap.id.value, id.value}) > 0) continue;
+    const Pair pair = WithWindow({id, std::sqrt(squared_distances[i]), 0.0, 0.0}, uncertainty.Of(id), options);
+    if (pair.distance <= options.candidate_radius + pair.search_translation - options.search_translation) {
+      pairs.push_back(pair);
+    }
+  }
+  return pairs;
+}
+
+// Of each keyframe's pairs, by submap, keeps those with the `count` nearest submaps.
+void KeepNearest(int count, std::vector<std::vector<Pair>>* of_submaps) {
+  std::map<int, std::vector<std::pair<double, size_t>>> distances;  // And submaps, by keyframe.
+  for (size_t i = 0; i < of_submaps->size(); ++i) {
+    for (const Pair& pair : (*of_submaps)[i]) distances[pair.keyframe.value].emplace_back(pair.distance, i);
+  }
+  std::vector<std::set<int>> kept(of_submaps->size());
+  for (auto& [keyframe, submaps] : distances) {
+    std::sort(submaps.begin(), submaps.end());
+    submaps.resize(std::min(submaps.size(), static_cast<size_t>(count)));
+    for (const auto& [distance, submap] : submaps) kept[submap].insert(keyframe);
+  }
+  for (size_t i = 0; i < of_submaps->size(); ++i) {
+    std::vector<Pair>& pairs = (*of_submaps)[i];
+    pairs.erase(std::remove_if(pairs.begin(), pairs.end(),
+                               [&](const Pair& pair) { return kept[i].count(pair.keyframe.value) == 0; }),
+                pairs.end());
+  }
+}
+
 }  // namespace
 
 std::string LoopOptions::Validate() const {
@@ -34,6 +116,16 @@ std::string LoopOptions::Validate() const {
   }
   if (!(search_rotation > 0.0 && search_rotation <= 3.15)) {
     return Violation("search_rotation", search_rotation, "lie in (0, 3.15] rad");
+  }
+  if (max_submaps < 1) return Violation("max_submaps", max_submaps, "be at least 1");
+  if (!(max_search_translation >= search_translation && max_search_translation <= 50.0)) {
+    return Violation("max_search_translation", max_search_translation, "lie in [search_translation, 50] m");
+  }
+  if (!(max_search_rotation >= search_rotation && max_search_rotation <= 3.15)) {
+    return Violation("max_search_rotation", max_search_rotation, "lie in [search_rotation, 3.15] rad");
+  }
+  if (!(rival_translation > 0.0 && rival_translation <= 50.0)) {
+    return Violation("rival_translation", rival_translation, "lie in (0, 50] m");
   }
   if (!(max_score > 0.0)) return Violation("max_score", max_score, "be above 0 m");
   if (!(min_overlap >= 0.0 && min_overlap <= 1.0)) return Violation("min_overlap", min_overlap, "lie in [0, 1]");
@@ -46,51 +138,58 @@ LoopCloser::LoopCloser(const LoopOptions& options, const MatcherOptions& matcher
 
 std::vector<LoopCandidate> LoopCloser::FindAll(const PoseGraph& graph, const std::vector<Keyframe>& keyframes,
                                                const std::vector<Submap>& submaps, int num_threads) const {
-  Positions positions;
-  for (const Keyframe& keyframe : keyframes) positions.points.push_back(graph.Pose(keyframe.id).translation());
-  KdTree tree(2, positions);
-  tree.buildIndex();
+  const RelativeUncertainty uncertainty(graph);
   std::set<std::pair<int, int>> known;
   for (const Constraint& constraint : graph.constraints()) {
     if (constraint.from.kind == NodeId::Kind::kSubmap) known.emplace(constraint.from.value, constraint.to.value);
   }
+  std::vector<std::vector<Pair>> near(submaps.size());
+  {
+    Positions positions;
+    for (const Keyframe& keyframe : keyframes) positions.points.push_back(graph.Pose(keyframe.id).translation());
+    KdTree tree(2, positions);
+    tree.buildIndex();
+    ParallelFor(submaps.size(), num_threads, [&](size_t i) {
+      near[i] = PairsOf(submaps[i], keyframes, positions, tree, uncertainty.From(submaps[i].id), known, options_);
+    });
+  }
+  KeepNearest(options_.max_submaps, &near);
 
   std::vector<std::vector<LoopCandidate>> found(submaps.size());
   ParallelFor(submaps.size(), num_threads, [&](size_t i) {
-    const Submap& submap = submaps[i];
-    std::set<int> near;
-    for (const KeyframeId member : submap.keyframes) {
-      std::vector<std::pair<uint32_t, double>> hits;
-      tree.radiusSearch(positions.points[static_cast<size_t>(member.value)].data(),
-                        options_.candidate_radius * options_.candidate_radius, hits, nanoflann::SearchParams());
-      for (const auto& hit : hits) near.insert(static_cast<int>(hit.first));
-    }
-    for (const KeyframeId member : submap.keyframes) near.erase(member.value);
-    std::unique_ptr<MatchTarget> target;
-    const SE2 T_submap_map = graph.Pose(submap.id).Inverse();
-    for (const int index : near) {
-      const Keyframe& keyframe = keyframes[static_cast<size_t>(index)];
-      if (index % options_.keyframe_stride != 0 || !keyframe.is_inserted) continue;
-      if (known.count({submap.id.value, index}) > 0) continue;
-      if (!target) target = std::make_unique<MatchTarget>(submap.cells, cell_size_, max_distance_);
-      const SearchWindow window{options_.search_translation, options_.search_rotation, 0.01, {}};
-      LoopCandidate candidate{keyframe.id, submap.id, {}, false, ""};
-      candidate.match =
-          matcher_.Match(*target, keyframe.scan.points, T_submap_map * graph.Pose(keyframe.id), window, true);
-      if (!IsUsable(candidate.match.verdict)) {
-        candidate.reason = ToString(candidate.match.verdict);
-      } else if (candidate.match.score > options_.max_score) {
-        candidate.reason = "score";
-      } else if (candidate.match.inlier_ratio < options_.min_overlap) {
-        candidate.reason = "overlap";
-      }
-      candidate.accepted = candidate.reason.empty();
+    if (near[i].empty()) return;
+    const MatchTarget target(submaps[i].cells, cell_size_, max_distance_);
+    for (const Pair& pair : near[i]) {
+      const Keyframe& keyframe = keyframes[static_cast<size_t>(pair.keyframe.value)];
+      const SE2 prediction = graph.Pose(submaps[i].id).Inverse() * graph.Pose(keyframe.id);
+      LoopCandidate candidate{keyframe.id, submaps[i].id, {}, pair.search_translation, pair.search_rotation, false, ""};
+      Judge(target, keyframe.scan.points, prediction, &candidate);
       found[i].push_back(candidate);
     }
   });
   std::vector<LoopCandidate> candidates;
   for (const auto& of_submap : found) candidates.insert(candidates.end(), of_submap.begin(), of_submap.end());
   return candidates;
+}
+
+void LoopCloser::Judge(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& prediction,
+                       LoopCandidate* candidate) const {
+  const double rotation = candidate->search_rotation;
+  const SearchWindow window{candidate->search_translation, rotation, 0.01, {}};
+  candidate->match = matcher_.Match(target, points, prediction, window);
+  if (!IsUsable(candidate->match.verdict)) {
+    candidate->reason = ToString(candidate->match.verdict);
+  } else if (candidate->match.score > options_.max_score) {
+    candidate->reason = "score";
+  } else if (candidate->match.inlier_ratio < options_.min_overlap) {
+    candidate->reason = "overlap";
+  } else if (const std::optional<double> rival = matcher_.FindRival(
+                 target, points, candidate->match, SearchWindow{options_.rival_translation, rotation, 0.02, {}})) {
+    candidate->match.second_score = *rival;
+    candidate->match.verdict = MatchVerdict::kAmbiguous;
+    candidate->reason = ToString(candidate->match.verdict);
+  }
+  candidate->accepted = candidate->reason.empty();
 }
 
 }  // namespace arborslam

@@ -12,12 +12,17 @@
 namespace arborslam {
 
 struct LoopOptions {
-  double candidate_radius = 8.0;    ///< [m], a keyframe this near to a submap's path is tried against the submap.
-  int keyframe_stride = 12;         ///< Every so many keyframes are tried.
-  double search_translation = 1.0;  ///< [m], half width of the search around the graph's estimate.
-  double search_rotation = 0.1;     ///< [rad], the same in heading.
-  double max_score = 0.08;          ///< [m], a loop's MHD may not exceed this.
-  double min_overlap = 0.6;         ///< Share of the scan's points that must meet the submap.
+  double candidate_radius = 8.0;        ///< [m], a keyframe this near to a submap's path is tried against the submap.
+  int keyframe_stride = 12;             ///< Every so many keyframes are tried.
+  int max_submaps = 4;                  ///< Of the submaps near to a keyframe, so many of the nearest are tried.
+  double search_translation = 1.0;      ///< [m], half width of the search around the graph's estimate at least,
+  double search_rotation = 0.1;         ///< [rad], the same in heading;
+  double max_search_translation = 4.0;  ///< [m], and at most: in between it is three standard deviations,
+  double max_search_rotation = 0.3;     ///< [rad], of the heading likewise.
+  double rival_translation = 5.0;  ///< [m], so far around a loop no second pose may fit nearly as well: more than from
+                                   ///< tree to tree and from row to row.
+  double max_score = 0.08;         ///< [m], a loop's MHD may not exceed this.
+  double min_overlap = 0.6;        ///< Share of the scan's points that must meet the submap.
 
   std::string Validate() const;
 
@@ -25,8 +30,12 @@ struct LoopOptions {
   void VisitFields(Visitor&& visit) {
     visit("candidate_radius", candidate_radius);
     visit("keyframe_stride", keyframe_stride);
+    visit("max_submaps", max_submaps);
     visit("search_translation", search_translation);
     visit("search_rotation", search_rotation);
+    visit("max_search_translation", max_search_translation);
+    visit("max_search_rotation", max_search_rotation);
+    visit("rival_translation", rival_translation);
     visit("max_score", max_score);
     visit("min_overlap", min_overlap);
   }
@@ -37,12 +46,22 @@ struct LoopCandidate {
   KeyframeId keyframe;
   SubmapId submap;
   MatchResult match;
+  double search_translation = 0.0;  ///< [m], half width of the window that was searched,
+  double search_rotation = 0.0;     ///< [rad], likewise.
   bool accepted = false;
   std::string reason;  ///< Why it was refused; empty when accepted.
 };
 
-/// Finds where keyframes see submaps of another time again: candidates by position, match by branch and bound, checks
-/// by score, overlap and uniqueness (design section 3, step 9).
+/// Finds where keyframes see submaps of another time again (design section 3, step 9):
+/// - candidates by position, in a window that follows how well the keyframe's pose is known relative to the submap;
+/// - match by branch and bound, checks by score, overlap and uniqueness. Orchards repeat themselves: a loop one tree or
+///   one row off fits as well as the true one wherever the stand is regular and no end of it is in sight. So a loop
+///   counts only if no pose within `rival_translation` fits nearly as well, however narrow the window was in which it
+///   was found: a drift that the graph knows nothing of would otherwise have left the true pose outside of it. In an
+///   exact grid nothing is accepted but what sees the grid end;
+/// - mutual consistency is left to `PoseGraph::Optimize`, whose graduated non-convexity weighs all loops together along
+///   with what the run itself measured; a largest clique of pairwise consistent loops sees only pairs, and would have
+///   to guess the drift between them.
 class LoopCloser {
  public:
   LoopCloser(const LoopOptions& options, const MatcherOptions& matcher_options, const Matcher& matcher,
@@ -53,6 +72,10 @@ class LoopCloser {
                                      const std::vector<Submap>& submaps, int num_threads) const;
 
  private:
+  // Matches a candidate's scan to its submap in the candidate's window, and judges the match.
+  void Judge(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& prediction,
+             LoopCandidate* candidate) const;
+
   LoopOptions options_;
   double max_distance_;
   Matcher matcher_;

@@ -11,7 +11,6 @@
 #include <limits>
 #include <utility>
 
-#include "backend/factors/marginal_prior_factor.h"
 #include "backend/factors/relative_pose_factor.h"
 
 namespace arborslam {
@@ -74,16 +73,36 @@ void SlidingWindow::AddNode(NodeId id, const SE2& initial) {
 void SlidingWindow::AddPrior(NodeId id, const Eigen::Matrix3d& information) {
   CHECK(Has(id)) << id;
   const MarginalPrior prior{{Pose(id)}, SquareRoot(information), Eigen::Vector3d::Zero()};
-  factors_.push_back({{id}, std::shared_ptr<ceres::CostFunction>(CreateMarginalPriorFactor(prior))});
+  AddFactor({id}, Source(prior));
 }
 
 void SlidingWindow::AddConstraint(const Constraint& constraint) {
   CHECK(Has(constraint.from) && Has(constraint.to)) << constraint.from << " to " << constraint.to;
   CHECK(constraint.information.allFinite() && constraint.T_from_to.vector().allFinite())
       << constraint.from << " to " << constraint.to << " is not finite";
-  factors_.push_back(
-      {{constraint.from, constraint.to},
-       std::shared_ptr<ceres::CostFunction>(CreateRelativePoseFactor(constraint.T_from_to, constraint.information))});
+  AddFactor({constraint.from, constraint.to}, Source(constraint));
+}
+
+std::shared_ptr<ceres::CostFunction> SlidingWindow::CostOf(const Source& source) {
+  return std::shared_ptr<ceres::CostFunction>(
+      source.is_prior ? CreateMarginalPriorFactor(source.prior)
+                      : CreateRelativePoseFactor(source.measurement.T_from_to, source.measurement.information));
+}
+
+bool SlidingWindow::IsWhole(const Factor& factor) const {
+  for (const NodeId node : factor.nodes) {
+    if (!Has(node)) return false;
+  }
+  if (!factor.source.is_prior) return factor.nodes.size() == 2;
+  const MarginalPrior& prior = factor.source.prior;
+  return !factor.nodes.empty() && prior.linearisation_point.size() == factor.nodes.size() &&
+         prior.jacobian.cols() == 3 * static_cast<Eigen::Index>(factor.nodes.size()) && prior.jacobian.rows() > 0 &&
+         prior.offset.size() == prior.jacobian.rows();
+}
+
+void SlidingWindow::AddFactor(std::vector<NodeId> nodes, Source source) {
+  std::shared_ptr<ceres::CostFunction> cost = CostOf(source);
+  factors_.push_back({std::move(nodes), std::move(source), std::move(cost)});
 }
 
 void SlidingWindow::Solve() {
@@ -176,7 +195,7 @@ void SlidingWindow::Marginalize(NodeId id) {
   for (const NodeId node : nodes) linearisation_point.push_back(poses_.at(node));
   const MarginalPrior prior = PriorOf(hessian, gradient, std::move(linearisation_point));
   if (prior.offset.size() == 0) return;
-  factors_.push_back({nodes, std::shared_ptr<ceres::CostFunction>(CreateMarginalPriorFactor(prior))});
+  AddFactor(std::move(nodes), Source(prior));
 }
 
 Eigen::Matrix3d SlidingWindow::Covariance(NodeId id) const {

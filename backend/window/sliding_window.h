@@ -4,8 +4,11 @@
 #include <Eigen/Core>
 #include <map>
 #include <memory>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
+#include "backend/factors/marginal_prior_factor.h"
 #include "core/geometry/se2.h"
 #include "core/map/ids.h"
 #include "frontend/tracking/constraint.h"
@@ -41,6 +44,18 @@ class SlidingWindow {
   const SE2& Pose(NodeId id) const { return poses_.at(id); }
   const std::map<NodeId, SE2>& poses() const { return poses_; }
 
+  /// All that the window holds.
+  template <class Visitor>
+  void VisitState(Visitor&& visit) {
+    visit(poses_, factors_);
+    if constexpr (std::decay_t<Visitor>::kIsReading) {
+      for (Factor& factor : factors_) {
+        visit.Check(IsWhole(factor), "a factor of the window does not go with its poses");
+        factor.cost = CostOf(factor.source);
+      }
+    }
+  }
+
   /// How many factors (priors and constraints) the window holds.
   size_t num_factors() const { return factors_.size(); }
 
@@ -49,10 +64,41 @@ class SlidingWindow {
   Eigen::Matrix3d Covariance(NodeId id) const;
 
  private:
+  // What a factor says: a measurement or a prior; the other one is void.
+  struct Source {
+    explicit Source(const Constraint& measured) : is_prior(false), measurement(measured) {}
+    explicit Source(MarginalPrior left) : is_prior(true), prior(std::move(left)) {}
+    Source() : Source(MarginalPrior()) {}
+
+    bool is_prior;
+    Constraint measurement{{}, {}, {}, Eigen::Matrix3d::Zero()};
+    MarginalPrior prior;
+
+    template <class Visitor>
+    void VisitState(Visitor&& visit) {
+      visit(is_prior);
+      if (is_prior) {
+        visit(prior);
+      } else {
+        visit(measurement);
+      }
+    }
+  };
   struct Factor {
     std::vector<NodeId> nodes;
+    Source source;                              ///< What `cost` says.
     std::shared_ptr<ceres::CostFunction> cost;  ///< Never changed.
+
+    template <class Visitor>
+    void VisitState(Visitor&& visit) {
+      visit(nodes, source);
+    }
   };
+  static std::shared_ptr<ceres::CostFunction> CostOf(const Source& source);
+  // Whether the factor's nodes are in the window and as many as its source speaks of.
+  bool IsWhole(const Factor& factor) const;
+  void AddFactor(std::vector<NodeId> nodes, Source source);
+
   // Sum of J^T J and J^T r of some factors at the present poses; blocks in the order of `nodes`.
   struct Quadratic {
     Eigen::MatrixXd hessian;

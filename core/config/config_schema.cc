@@ -219,8 +219,9 @@ void ConfigSchema::Apply(const std::vector<Assignment>& assignments) {
   }
 }
 
-void ConfigSchema::LoadYamlFile(const std::string& path) {
-  const std::string text = ReadWholeFile(path);
+void ConfigSchema::LoadYamlFile(const std::string& path) { LoadYaml(ReadWholeFile(path), path); }
+
+void ConfigSchema::LoadYaml(const std::string& text, const std::string& path) {
   const auto at = [&](const YAML::Node& node) { return path + ":" + std::to_string(node.Mark().line + 1); };
   const auto key_name = [&](const YAML::Node& key) {
     if (!key.IsScalar()) throw UserError(at(key), "a key is " + KindOf(key), "write keys as plain words");

@@ -45,6 +45,9 @@ class ConfigSchema {
   /// file and line.
   void LoadYamlFile(const std::string& path);
 
+  /// The same with the text of a file; `path` is what errors name.
+  void LoadYaml(const std::string& text, const std::string& path);
+
   /// Sets one option from "section.key=value". The value of a string option is everything after the first '='.
   /// Throws `UserError`.
   void ApplyOverride(const std::string& assignment);

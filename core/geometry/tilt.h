@@ -20,6 +20,11 @@ struct Tilt3 {
 
   /// T_base_lidar.
   Eigen::Isometry3d Transform() const;
+
+  template <class Visitor>
+  void VisitState(Visitor&& visit) {
+    visit(roll, pitch, z);
+  }
 };
 
 /// The tilt (without z) nearest to a rotation R_base_lidar whose heading is left out.

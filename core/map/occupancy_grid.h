@@ -39,6 +39,11 @@ struct OccupancyGridOptions {
 struct OccupiedCell {
   Eigen::Vector2f centroid;  ///< [m], in the grid's frame: where in the cell the returns lie.
   float log_odds;            ///< of being occupied.
+
+  template <class Visitor>
+  void VisitState(Visitor&& visit) {
+    visit(centroid, log_odds);
+  }
 };
 
 /// Log-odds occupancy over a plane that grows as scans come in (Moravec and Elfes 1985; Thrun et al. 2005, ch. 9).

@@ -14,6 +14,11 @@ struct Submap {
   SubmapId id;
   std::vector<KeyframeId> keyframes;  ///< Whose scans it is made of, in order.
   std::vector<OccupiedCell> cells;    ///< Occupied cells, in the submap's frame.
+
+  template <class Visitor>
+  void VisitState(Visitor&& visit) {
+    visit(id, keyframes, cells);
+  }
 };
 
 }  // namespace arborslam

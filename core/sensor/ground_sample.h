@@ -9,6 +9,11 @@ namespace arborslam {
 struct GroundSample {
   Eigen::Vector3f position;  ///< [m], in the frame that the sample's user says.
   float weight = 1.0f;       ///< Number of returns.
+
+  template <class Visitor>
+  void VisitState(Visitor&& visit) {
+    visit(position, weight);
+  }
 };
 
 }  // namespace arborslam

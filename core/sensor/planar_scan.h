@@ -20,6 +20,11 @@ struct PlanarScan {
   /// True for a lidar in the plane: the rays from the origin to the points are free. A sweep in space sees over things:
   /// a ray to a far trunk may pass above a near post, and only `free_ends` tell what is free.
   bool point_rays_are_free = true;
+
+  template <class Visitor>
+  void VisitState(Visitor&& visit) {
+    visit(stamp, points, weights, phases, free_ends, first_returns, point_rays_are_free);
+  }
 };
 
 }  // namespace arborslam

@@ -10,6 +10,8 @@ namespace {
 // Poses nearer to the best one than this belong to the same mode.
 constexpr double kModeTranslation = 0.5;  // [m]
 constexpr double kModeRotation = 0.1;     // [rad]
+// Around a refined pose, the best one on a search's grid is found in this.
+constexpr SearchWindow kGridWindow{0.1, 0.02, 0.01, {}};
 
 std::vector<Eigen::Vector2f> Subsample(const std::vector<Eigen::Vector2f>& points, int max_points) {
   const size_t stride = (points.size() + static_cast<size_t>(max_points) - 1) / static_cast<size_t>(max_points);
@@ -84,11 +86,9 @@ MatchResult Matcher::MatchBetter(const MatchTarget& target, const std::vector<Ei
   result.cost = result.score + PenaltyOf(result.pose, prediction, window.penalty);
   result.num_scored = found->num_scored;
   if (check_uniqueness && IsUsable(result.verdict)) {
-    // The search tells costs apart by quantisation steps: a perfect one, 0, must not rule out its equals.
-    const double step = static_cast<double>(target.field().max_distance()) / MinPyramid::kNumSteps;
-    const double limit = std::max(found->cost, step) / options_.max_second_ratio;
-    const std::optional<SearchResult> second = BranchAndBound(target, sample, prediction, window, mhd_, limit,
-                                                              Exclusion{found->pose, kModeTranslation, kModeRotation});
+    const std::optional<SearchResult> second =
+        BranchAndBound(target, sample, prediction, window, mhd_, RivalLimit(target, found->cost),
+                       Exclusion{found->pose, kModeTranslation, kModeRotation});
     if (second) {
       result.verdict = MatchVerdict::kAmbiguous;
       result.second_score = second->cost;
@@ -96,6 +96,25 @@ MatchResult Matcher::MatchBetter(const MatchTarget& target, const std::vector<Ei
     }
   }
   return result;
+}
+
+std::optional<double> Matcher::FindRival(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,
+                                         const MatchResult& match, const SearchWindow& window) const {
+  const std::vector<Eigen::Vector2f> sample = Subsample(points, 2 * options_.max_search_points);
+  const std::optional<SearchResult> best =
+      BranchAndBound(target, sample, match.pose, kGridWindow, mhd_, std::numeric_limits<double>::infinity());
+  if (!best) return std::nullopt;
+  const std::optional<SearchResult> rival =
+      BranchAndBound(target, sample, match.pose, window, mhd_, RivalLimit(target, best->cost),
+                     Exclusion{match.pose, kModeTranslation, kModeRotation});
+  if (!rival) return std::nullopt;
+  return rival->cost;
+}
+
+double Matcher::RivalLimit(const MatchTarget& target, double cost) const {
+  // The search tells costs apart by quantisation steps: a perfect one, 0, must not rule out its equals.
+  const double step = static_cast<double>(target.field().max_distance()) / MinPyramid::kNumSteps;
+  return std::max(cost, step) / options_.max_second_ratio;
 }
 
 MatchResult Matcher::MatchNear(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,

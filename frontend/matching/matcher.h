@@ -2,6 +2,7 @@
 #define ARBORSLAM_FRONTEND_MATCHING_MATCHER_H_
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -62,6 +63,11 @@ struct MatchResult {
   int num_points = 0;
   int num_degenerate = 0;  ///< Directions that the map does not determine.
   int64_t num_scored = 0;  ///< Poses and boxes of poses that the search scored.
+
+  template <class Visitor>
+  void VisitState(Visitor&& visit) {
+    visit(verdict, pose, information, score, cost, inlier_ratio, second_score, num_points, num_degenerate, num_scored);
+  }
 };
 
 /// Scan to map by exhaustive-equivalent search and continuous refinement (design section 3, step 6).
@@ -79,6 +85,12 @@ class Matcher {
   MatchResult MatchBetter(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& prediction,
                           const SearchWindow& window, double max_cost, bool check_uniqueness = false) const;
 
+  /// How good another pose is that may be taken for a match: the cost [m] of the best pose in `window` around
+  /// `match.pose`, of another mode, if it is low enough to make the match ambiguous; nothing if there is none. The
+  /// window may be wider than the one that the match was found in: a tree or a row farther on things may look the same.
+  std::optional<double> FindRival(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,
+                                  const MatchResult& match, const SearchWindow& window) const;
+
   /// Refines from `initial` without a search.
   MatchResult MatchNear(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,
                         const SE2& initial) const;
@@ -86,6 +98,8 @@ class Matcher {
  private:
   MatchResult RefineAndJudge(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& initial,
                              const SE2& prediction) const;
+  // Another mode that costs less than this [m] makes a pose ambiguous that costs `cost`.
+  double RivalLimit(const MatchTarget& target, double cost) const;
 
   MatcherOptions options_;
   MhdOptions mhd_;

@@ -22,6 +22,12 @@ class CanopyHeight {
   /// [m], in [kLeast, kMost].
   float Get() const;
 
+  /// What it remembers of the sweeps.
+  template <class Visitor>
+  void VisitState(Visitor&& visit) {
+    visit(returns_, num_sweeps_);
+  }
+
  private:
   static constexpr int kBins = 40;
   static constexpr float kBinHeight = 0.1f;  // [m]

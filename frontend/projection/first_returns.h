@@ -19,11 +19,18 @@ enum class Sight {
 /// A scan as seen from its sensor: how far one can look in every direction.
 class FirstReturns {
  public:
+  /// Of a scan that saw nothing.
+  FirstReturns() : FirstReturns(PlanarScan()) {}
   explicit FirstReturns(const PlanarScan& scan);
 
   /// What the scan says about `place` [m, base frame of the scan]. "Clearly" is `range_margin` [m] along the ray; a
   /// return up to `side_margin` [m] beside the ray counts as on it, so that the edge of a trunk is not looked past.
   Sight Look(const Eigen::Vector2f& place, float range_margin, float side_margin) const;
+
+  template <class Visitor>
+  void VisitState(Visitor&& visit) {
+    visit(first_, free_);
+  }
 
  private:
   static constexpr int kSectors = 360;

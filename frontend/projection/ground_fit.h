@@ -13,6 +13,11 @@ struct GroundFit {
   int num_inliers = 0;                                ///< Of the lowest returns.
   float rms = 0.0f;                                   ///< [m], of the inliers' weighted distances.
   bool ok = false;                                    ///< False when no ground is in sight; the rest is then void.
+
+  template <class Visitor>
+  void VisitState(Visitor&& visit) {
+    visit(normal, height, num_inliers, rms, ok);
+  }
 };
 
 /// Fits a plane to the lowest returns of a sweep (`LowestReturns`).

@@ -66,6 +66,12 @@ class MovingObjectFilter {
   /// Adds a scan, whole, at the pose that matching gave it, for the next ones to be compared with.
   void Add(const PlanarScan& scan, const SE2& T_odom_base);
 
+  /// What it remembers of the scans.
+  template <class Visitor>
+  void VisitState(Visitor&& visit) {
+    visit(references_, path_);
+  }
+
  private:
   // A scan that others are compared with.
   struct Reference {
@@ -73,6 +79,11 @@ class MovingObjectFilter {
     SE2 T_odom_base;
     FirstReturns first_returns;
     std::vector<Eigen::Vector2d> near_places;  // [m, base frame], occupied, by what may have left since.
+
+    template <class Visitor>
+    void VisitState(Visitor&& visit) {
+      visit(stamp, T_odom_base, first_returns, near_places);
+    }
   };
   class Comparison;
 

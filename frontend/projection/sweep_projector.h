@@ -48,6 +48,12 @@ class SweepProjector {
   /// core/geometry/tilt.h), or `LevelRotation(prepared.ground.normal)`, which has the ground level.
   PlanarScan Project(const PreparedSweep& prepared, const Eigen::Matrix3f& R_base_lidar);
 
+  /// What it remembers of the sweeps.
+  template <class Visitor>
+  void VisitState(Visitor&& visit) {
+    visit(canopy_height_, last_ground_, column_width_);
+  }
+
  private:
   SweepProjectionOptions options_;
   LowestReturns lowest_returns_;

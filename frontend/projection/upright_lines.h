@@ -14,6 +14,11 @@ struct UprightLine {
   float range;                ///< [m] in the plane.
   float slope;                ///< dr/dz: by how much farther off it is for every metre up.
   float spread;               ///< [m^2], sum of the squared heights about their mean: the slope's weight.
+
+  template <class Visitor>
+  void VisitState(Visitor&& visit) {
+    visit(direction, range, slope, spread);
+  }
 };
 
 /// Finds the upright lines of a sweep below the canopy: at least three returns of a column at about one range that

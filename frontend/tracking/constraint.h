@@ -20,6 +20,11 @@ struct Constraint {
   SE2 T_from_to;
   Eigen::Matrix3d information;  ///< (x, y, theta) in the frame of `to`, [m, rad]; may be singular.
   Kind kind = Kind::kSubmap;
+
+  template <class Visitor>
+  void VisitState(Visitor&& visit) {
+    visit(from, to, T_from_to, information, kind);
+  }
 };
 
 }  // namespace arborslam

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <vector>
 
 namespace arborslam {
 namespace {
@@ -31,20 +33,15 @@ void MotionNoise::Add(const SE2& last_pose, const SE2& prediction, const SE2& ma
   const SE2 step = last_pose.Inverse() * matched;
   if (step.translation().norm() < kMinStep && std::abs(step.theta()) < kMinTurn) return;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    const auto a = static_cast<size_t>(axis);
     // What the other directions do not share: an optimistic figure, but 0 where nothing is known.
     if (information(axis, axis) * sigma_[axis] * sigma_[axis] < 1.0) continue;
-    std::vector<double>& errors = errors_[a];
-    if (errors.size() < kMemory) {
-      errors.push_back(std::abs(error[axis]));
-    } else {
-      errors[next_[a]] = std::abs(error[axis]);
-      next_[a] = (next_[a] + 1) % kMemory;
-    }
+    std::deque<double>& errors = errors_[static_cast<size_t>(axis)];
+    errors.push_back(std::abs(error[axis]));
+    if (errors.size() > kMemory) errors.pop_front();
     if (errors.size() < kMinErrors) continue;
-    sorted_ = errors;
-    const auto nth = sorted_.begin() + static_cast<ptrdiff_t>(kQuantile * static_cast<double>(sorted_.size() - 1));
-    std::nth_element(sorted_.begin(), nth, sorted_.end());
+    std::vector<double> sorted(errors.begin(), errors.end());
+    const auto nth = sorted.begin() + static_cast<ptrdiff_t>(kQuantile * static_cast<double>(sorted.size() - 1));
+    std::nth_element(sorted.begin(), nth, sorted.end());
     sigma_[axis] = std::min(std::max(kSafety * *nth / kNormalQuantile, kLeast[axis]), most_[axis]);
   }
 }

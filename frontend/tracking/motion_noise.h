@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <vector>
+#include <deque>
 
 #include "core/geometry/se2.h"
 #include "frontend/tracking/motion_model.h"
@@ -29,6 +29,11 @@ class MotionNoise {
   /// Standard deviations [m, m, rad] of a prediction's x, y (in the robot's frame) and theta.
   /// More than usual while predictions err to the same side again and again, as they do when the robot brakes.
   Eigen::Vector3d sigma() const;
+
+  template <class Visitor>
+  void VisitState(Visitor&& visit) {
+    visit(sigma_, bias_, errors_);
+  }
 
  private:
   Eigen::Vector3d most_;

@@ -9,6 +9,11 @@ namespace arborslam {
 struct PlanarVelocity {
   Eigen::Vector2d linear = Eigen::Vector2d::Zero();  ///< [m/s], in the base frame.
   double angular = 0.0;                              ///< [rad/s]
+
+  template <class Visitor>
+  void VisitState(Visitor&& visit) {
+    visit(linear, angular);
+  }
 };
 
 }  // namespace arborslam

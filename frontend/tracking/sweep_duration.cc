@@ -173,6 +173,11 @@ void SweepDurationEstimator::AddReference(RawSweep sweep) {
   num_since_reference_ = 0;
   references_.push_back(std::move(sweep));
   if (references_.size() > kMaxReferences) references_.pop_front();
+  MakeClouds();
+}
+
+void SweepDurationEstimator::MakeClouds() {
+  if (references_.empty()) return;
   const SE2 T_last_odom = references_.back().T_odom_base.Inverse();
   for (size_t c = 0; c < kNumCandidates; ++c) {
     Cloud& cloud = clouds_[c];

@@ -8,6 +8,7 @@
 #include <deque>
 #include <limits>
 #include <optional>
+#include <type_traits>
 #include <vector>
 
 #include "core/geometry/se2.h"
@@ -32,6 +33,11 @@ struct TimedSweep {
   double deskewing_duration = 0.0;      ///< and this duration [s].
   SE2 T_odom_base;                      ///< Of the sweep's middle.
   bool is_matched = true;               ///< False: the pose is a mere prediction.
+
+  template <class Visitor>
+  void VisitState(Visitor&& visit) {
+    visit(stamp, points, phases, deskewing, deskewing_duration, T_odom_base, is_matched);
+  }
 };
 
 /// Finds how long the sweeps of a recording last: a point measured at phase f of a sweep of duration d, while the lidar
@@ -55,6 +61,14 @@ class SweepDurationEstimator {
   /// The median step between the stamps of the first sweeps [s]; 0 when there is none.
   double MedianStep() const;
 
+  /// What it remembers of the sweeps.
+  template <class Visitor>
+  void VisitState(Visitor&& visit) {
+    visit(latest_, references_, steps_, sum_motion_, num_motions_, num_left_out_, num_since_reference_, num_compared_,
+          block_, sum_, sum_of_squares_);
+    if constexpr (std::decay_t<Visitor>::kIsReading) MakeClouds();
+  }
+
  private:
   static constexpr size_t kNumCandidates = 10;
 
@@ -64,6 +78,11 @@ class SweepDurationEstimator {
     std::vector<float> phases;            // Since the middle: -1/2 to 1/2.
     PlanarVelocity velocity;
     SE2 T_odom_base;
+
+    template <class Visitor>
+    void VisitState(Visitor&& visit) {
+      visit(points, phases, velocity, T_odom_base);
+    }
   };
   struct CloudPoint {
     Eigen::Vector2f position;  // [m], in the frame of the last reference.
@@ -83,6 +102,8 @@ class SweepDurationEstimator {
   // Returns whether this was the last of a block.
   bool Compare(const RawSweep& sweep);
   void AddReference(RawSweep sweep);
+  // The clouds of the references.
+  void MakeClouds();
   static const CloudPoint* Nearest(const Cloud& cloud, const Eigen::Vector2f& position);
 
   std::deque<TimedSweep> latest_;  // Three at most.

@@ -60,12 +60,16 @@ ReducedSweep SweepReducer::Reduce(const LidarSweep& sweep, const SE2& prediction
 void SweepReducer::Commit(const ReducedSweep& sweep, const SE2& T_odom_base) {
   if (find_moving_) moving_objects_.Add(sweep.with_moving, T_odom_base);
   if (!sweep.has_ground) return;
-  const Eigen::Isometry3d T_odom_lidar = Lift(T_odom_base, sweep.tilt);
-  for (const GroundSample& sample : sweep.ground) {
-    terrain_.Insert(T_odom_lidar * sample.position.cast<double>(), sample.weight);
-  }
+  AddTerrain(sweep.ground, T_odom_base, sweep.tilt);
   last_tilt_ = sweep.tilt;
   is_first_ = false;
+}
+
+void SweepReducer::AddTerrain(const std::vector<GroundSample>& ground, const SE2& T_odom_base, const Tilt3& tilt) {
+  const Eigen::Isometry3d T_odom_lidar = Lift(T_odom_base, tilt);
+  for (const GroundSample& sample : ground) {
+    terrain_.Insert(T_odom_lidar * sample.position.cast<double>(), sample.weight);
+  }
 }
 
 }  // namespace arborslam

@@ -58,6 +58,15 @@ class SweepReducer {
   /// Remembers a sweep whose pose is known by now.
   void Commit(const ReducedSweep& sweep, const SE2& T_odom_base);
 
+  /// The part of `Commit` that remembers the terrain: `ground` [m, lidar frame] of a sweep with this pose and tilt.
+  void AddTerrain(const std::vector<GroundSample>& ground, const SE2& T_odom_base, const Tilt3& tilt);
+
+  /// What it remembers of the sweeps, but for the terrain, which their ground tells.
+  template <class Visitor>
+  void VisitState(Visitor&& visit) {
+    visit(projector_, moving_objects_, last_tilt_, is_first_);
+  }
+
   /// The upright lines of the sweep last reduced, measured with its `tilt`.
   std::vector<UprightLine> LinesOfLast(const ReducedSweep& sweep) const {
     return FindUprightLines(prepared_, sweep.tilt.Rotation().cast<float>());

@@ -148,6 +148,10 @@ void Tracker::BuildTarget(const SE2& T_submap_base, double reach, ActiveSubmap* 
   submap->target_reach = reach + kTargetMargin;
   submap->target_keyframes = submap->keyframes.size();
   submap->target_length = submap->length;
+  MakeTarget(submap);
+}
+
+void Tracker::MakeTarget(ActiveSubmap* submap) const {
   std::vector<OccupiedCell> cells = submap->grid.OccupiedCells(min_log_odds_);
   const Eigen::Vector2f center = submap->target_center.cast<float>();
   const auto squared_reach = static_cast<float>(submap->target_reach * submap->target_reach);
@@ -173,6 +177,7 @@ std::optional<Submap> Tracker::Insert(KeyframeId id, const PlanarScan& scan, con
     const SE2 T_submap_base = submap.T_odom_submap.Inverse() * T_odom_base;
     submap.grid.Insert(T_submap_base, scan);
     submap.keyframes.push_back(id);
+    submap.inserted_at.push_back(T_submap_base);
     submap.length += (T_submap_base.translation() - submap.T_submap_last.translation()).norm();
     submap.T_submap_last = T_submap_base;
   }
@@ -180,6 +185,19 @@ std::optional<Submap> Tracker::Insert(KeyframeId id, const PlanarScan& scan, con
   const Submap finished = Finish(&active_.front());
   active_.pop_front();
   return finished;
+}
+
+bool Tracker::RestoreMaps(const std::function<const PlanarScan*(KeyframeId)>& scan_of) {
+  for (ActiveSubmap& submap : active_) {
+    if (submap.keyframes.size() != submap.inserted_at.size()) return false;
+    for (size_t i = 0; i < submap.keyframes.size(); ++i) {
+      const PlanarScan* scan = scan_of(submap.keyframes[i]);
+      if (scan == nullptr) return false;
+      submap.grid.Insert(submap.inserted_at[i], *scan);
+      if (i + 1 == submap.target_keyframes) MakeTarget(&submap);
+    }
+  }
+  return true;
 }
 
 std::vector<SubmapId> Tracker::ActiveSubmaps() const {

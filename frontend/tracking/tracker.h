@@ -1,10 +1,13 @@
 #ifndef ARBORSLAM_FRONTEND_TRACKING_TRACKER_H_
 #define ARBORSLAM_FRONTEND_TRACKING_TRACKER_H_
 
+#include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "core/map/ids.h"
@@ -107,6 +110,23 @@ class Tracker {
   /// Takes the active submaps as they are, for the end of a run; no scan can be tracked afterwards.
   std::vector<Submap> FinishAll();
 
+  /// What it remembers of the scans, but for their points: after reading, call `RestoreMaps`.
+  template <class Visitor>
+  void VisitState(Visitor&& visit) {
+    uint64_t num_active = active_.size();
+    visit(num_lost_, num_submaps_, num_active);
+    if constexpr (std::decay_t<Visitor>::kIsReading) {
+      visit.Check(num_active <= 2, "more than two submaps are active");
+      active_.clear();
+      while (active_.size() < num_active) active_.emplace_back(SubmapId(), SE2(), grid_options_);
+    }
+    for (ActiveSubmap& submap : active_) submap.VisitState(visit);
+  }
+  /// Puts the scans into the active submaps again, at the poses at which they were inserted; `scan_of` gives those of
+  /// the keyframes that the submaps name, and what scans are matched to is afterwards the same bits as it was.
+  /// False, for a state that is damaged, when there is no such keyframe (null).
+  bool RestoreMaps(const std::function<const PlanarScan*(KeyframeId)>& scan_of);
+
  private:
   struct ActiveSubmap {
     ActiveSubmap(SubmapId submap_id, const SE2& pose, const OccupancyGridOptions& grid_options)
@@ -116,8 +136,9 @@ class Tracker {
     SE2 T_odom_submap;
     OccupancyGrid grid;
     std::vector<KeyframeId> keyframes;
-    double length = 0.0;  // [m] of path.
-    SE2 T_submap_last;    // Pose of the scan last inserted.
+    std::vector<SE2> inserted_at;  // T_submap_base of each of these, when it was inserted.
+    double length = 0.0;           // [m] of path.
+    SE2 T_submap_last;             // Pose of the scan last inserted.
     // What scans are matched to: the cells within `target_reach` [m] of `target_center`, as of `target_keyframes`
     // scans.
     std::unique_ptr<MatchTarget> target;
@@ -125,12 +146,22 @@ class Tracker {
     double target_reach = 0.0;
     size_t target_keyframes = 0;
     double target_length = 0.0;  // `length` then.
+
+    template <class Visitor>
+    void VisitState(Visitor&& visit) {
+      uint64_t num_in_target = target_keyframes;
+      visit(id, T_odom_submap, keyframes, inserted_at, length, T_submap_last, target_center, target_reach,
+            num_in_target, target_length);
+      target_keyframes = static_cast<size_t>(num_in_target);
+    }
   };
 
   // Whether a submap's target must be built anew for scans that reach `reach` [m] around `T_submap_base`: since it does
   // not cover them or, unless it `may_wait`, because too much was put into the submap since.
   bool IsOutdated(const ActiveSubmap& submap, const SE2& T_submap_base, double reach, bool may_wait) const;
+  // Builds the target for such scans, and from the submap's map as it is.
   void BuildTarget(const SE2& T_submap_base, double reach, ActiveSubmap* submap) const;
+  void MakeTarget(ActiveSubmap* submap) const;
   Submap Finish(ActiveSubmap* active) const;
 
   TrackerOptions options_;

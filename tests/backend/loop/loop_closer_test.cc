@@ -2,8 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
+#include <map>
+#include <vector>
 
+#include "core/simulation/planar_orchard.h"
+#include "core/simulation/random.h"
+#include "frontend/projection/laser_projection.h"
 #include "tests/backend/planar_posts.h"
 
 namespace arborslam {
@@ -77,9 +83,11 @@ TEST_F(LoopCloserTest, WhatIsFarOrKnownOrSpoiltIsNotTried) {
   PoseGraph graph = Graph(SE2());
   const std::vector<LoopCandidate> all = closer_.FindAll(graph, run_.keyframes, run_.submaps, 1);
   ASSERT_GE(all.size(), 2u);
+  // Nothing tells how well the poses are known: they may be as far off as is searched.
+  const double reach = options_.candidate_radius + options_.max_search_translation - options_.search_translation;
   for (const LoopCandidate& candidate : all) {
     const SE2& pose = graph.Pose(candidate.keyframe);
-    EXPECT_LE(pose.x(), -1.0 + options_.candidate_radius) << "the submap ends at -1 m";
+    EXPECT_LE(pose.x(), -1.0 + reach) << "the submap ends at -1 m";
   }
   graph.AddConstraint({SubmapId{0}, all[0].keyframe, SE2(), Eigen::Matrix3d::Identity(), Constraint::Kind::kSubmap});
   const std::vector<LoopCandidate> fewer = closer_.FindAll(graph, run_.keyframes, run_.submaps, 1);
@@ -112,6 +120,92 @@ TEST_F(LoopCloserTest, AnyNumberOfThreadsFindsTheSame) {
     EXPECT_EQ(one[i].match.pose.vector(), three[i].match.pose.vector());
     EXPECT_EQ(one[i].reason, three[i].reason);
   }
+}
+
+TEST_F(LoopCloserTest, OnlySoManySubmapsAreTriedForAKeyframe) {
+  for (int i = 1; i < 6; ++i) run_.AddSubmap(0, 9, OccupancyGridOptions());
+  PoseGraph graph = Graph(SE2());
+  for (int i = 1; i < 6; ++i) graph.AddNode(SubmapId{i}, run_.truth[0]);
+  std::map<int, int> tried;
+  for (const LoopCandidate& candidate : closer_.FindAll(graph, run_.keyframes, run_.submaps, 1)) {
+    ++tried[candidate.keyframe.value];
+  }
+  ASSERT_FALSE(tried.empty());
+  for (const auto& [keyframe, count] : tried) EXPECT_EQ(count, options_.max_submaps) << keyframe;
+}
+
+TEST_F(LoopCloserTest, TheWindowFollowsWhatIsKnown) {
+  PoseGraph graph = Graph(SE2());
+  for (const LoopCandidate& candidate : closer_.FindAll(graph, run_.keyframes, run_.submaps, 1)) {
+    EXPECT_EQ(candidate.search_translation, options_.max_search_translation) << "nothing leads there";
+  }
+  // Another submap that keyframe 5 ties to the first one, well, and that the way back is tied to by 0.5 m.
+  graph.AddNode(SubmapId{7}, run_.truth[5]);
+  const Eigen::Matrix3d good = 1e6 * Eigen::Matrix3d::Identity();
+  graph.AddConstraint({SubmapId{0}, KeyframeId{5}, SE2(), good, Constraint::Kind::kSubmap});
+  graph.AddConstraint({SubmapId{7}, KeyframeId{5}, SE2(), good, Constraint::Kind::kSubmap});
+  const Eigen::Matrix3d poor = Eigen::Vector3d(3.0, 3.0, 1e6).asDiagonal();
+  for (int i = 20; i < 40; ++i) {
+    graph.AddConstraint({SubmapId{7}, KeyframeId{i}, SE2(), poor, Constraint::Kind::kSubmap});
+  }
+  int num_tied = 0;
+  for (const LoopCandidate& candidate : closer_.FindAll(graph, run_.keyframes, run_.submaps, 1)) {
+    if (candidate.keyframe.value < 20) continue;
+    ++num_tied;
+    EXPECT_NEAR(candidate.search_translation, 1.5, 0.1) << "three times 0.5 m";
+    EXPECT_EQ(candidate.search_rotation, options_.search_rotation);
+  }
+  EXPECT_GE(num_tied, 1);
+}
+
+// Equal trees on an exact grid, walked through twice; the second time the graph has drifted by 5 m. Whatever looks like
+// a loop is one tree or one row off somewhere.
+TEST(LoopCloserInAGrid, AcceptsNoFalseLoop) {
+  int num_tried = 0;
+  for (int seed = 1; seed <= 20; ++seed) {
+    PlanarOrchardOptions world = IdealPlanarOrchardOptions();
+    world.seed = seed;
+    world.rows = 5;
+    world.trees_per_row = 21;
+    const PlanarOrchard orchard(world);
+    PoseGraph graph;
+    std::vector<Keyframe> keyframes;
+    Submap submap;
+    submap.id = SubmapId{0};
+    OccupancyGrid grid{OccupancyGridOptions()};
+    Random random(static_cast<uint64_t>(seed));
+    const double direction = random.Uniform(-3.0, 3.0);
+    const SE2 drift(5.0 * std::cos(direction), 5.0 * std::sin(direction), 0.0);
+    const auto add = [&](size_t scan, const SE2& T_map_base) {
+      keyframes.push_back({KeyframeId{static_cast<int>(keyframes.size())},
+                           ProjectLaserScan(orchard.Scan(scan), ProjectionOptions()), true});
+      graph.AddNode(keyframes.back().id, T_map_base);
+    };
+    const SE2 T_submap_world = orchard.TruePose(20).Inverse();
+    for (size_t i = 20; i < 130; i += 2) {
+      add(i, orchard.TruePose(i));
+      submap.keyframes.push_back(keyframes.back().id);
+      grid.Insert(T_submap_world * orchard.TruePose(i), keyframes.back().scan);
+    }
+    submap.cells = grid.OccupiedCells(static_cast<float>(LogOddsOf(0.55)));
+    graph.AddNode(submap.id, orchard.TruePose(20));
+    std::vector<SE2> truth;
+    for (size_t i = 21; i < 130; i += 12) {
+      add(i, drift * orchard.TruePose(i));
+      truth.push_back(T_submap_world * orchard.TruePose(i));
+    }
+    LoopOptions options;
+    options.keyframe_stride = 1;
+    const LoopCloser closer(options, {}, Matcher({}, {}, {}), 0.05);
+    for (const LoopCandidate& candidate : closer.FindAll(graph, keyframes, {submap}, 2)) {
+      ++num_tried;
+      if (!candidate.accepted) continue;
+      const size_t index = static_cast<size_t>(candidate.keyframe.value) - submap.keyframes.size();
+      EXPECT_LT((candidate.match.pose.translation() - truth[index].translation()).norm(), 0.3)
+          << "seed " << seed << ", keyframe " << candidate.keyframe.value;
+    }
+  }
+  EXPECT_GE(num_tried, 100);
 }
 
 TEST_F(LoopCloserTest, NothingToCloseIsNoError) {

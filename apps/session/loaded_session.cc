@@ -1,0 +1,26 @@
+#include "apps/session/loaded_session.h"
+
+#include <utility>
+
+#include "backend/store/session_reader.h"
+#include "core/config/config_schema.h"
+
+namespace arborslam {
+
+OfflineOptions SessionOptions(const std::string& config, const std::string& path) {
+  OfflineOptions options;
+  ConfigSchema schema;
+  options.VisitSections([&schema](const std::string& name, auto& section) { schema.AddSection(name, &section); });
+  schema.LoadYaml(config, path + ", options");
+  schema.ValidateAll();
+  return options;
+}
+
+LoadedSession LoadSession(const std::string& path) {
+  SessionContents contents = ReadSession(path);
+  OfflineOptions options = SessionOptions(contents.config, path);
+  contents = Completed(std::move(contents), options.slam, path);
+  return {options, std::move(contents)};
+}
+
+}  // namespace arborslam

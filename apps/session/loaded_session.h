@@ -1,0 +1,25 @@
+#ifndef ARBORSLAM_APPS_SESSION_LOADED_SESSION_H_
+#define ARBORSLAM_APPS_SESSION_LOADED_SESSION_H_
+
+#include <string>
+
+#include "apps/offline/offline_options.h"
+#include "backend/store/session_contents.h"
+
+namespace arborslam {
+
+/// The options that a session was made with, from its YAML. Throws `UserError`, naming `path`.
+OfflineOptions SessionOptions(const std::string& config, const std::string& path);
+
+/// A session with its options.
+struct LoadedSession {
+  OfflineOptions options;
+  SessionContents contents;  ///< `Completed`.
+};
+
+/// Reads the session at `path`; throws `UserError`.
+LoadedSession LoadSession(const std::string& path);
+
+}  // namespace arborslam
+
+#endif  // ARBORSLAM_APPS_SESSION_LOADED_SESSION_H_

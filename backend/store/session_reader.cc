@@ -1,0 +1,315 @@
+#include "backend/store/session_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "backend/slam.h"
+#include "backend/store/compression.h"
+#include "backend/store/database.h"
+#include "backend/store/session_format.h"
+#include "core/error.h"
+#include "core/io/binary_archive.h"
+
+namespace arborslam {
+namespace {
+
+constexpr int64_t kMostIds = std::numeric_limits<int>::max();
+
+// A session to read: a file of the present format, or a copy in memory of one of an older format.
+std::unique_ptr<Database> OpenSession(const std::string& path) {
+  auto database = std::make_unique<Database>(path, Database::Mode::kRead);
+  if (SessionFormatOf(database.get()) == kSessionFormat) return database;
+  auto copy = std::make_unique<Database>(path, Database::Mode::kMemory);
+  copy->CopyFrom(*database);
+  MigrateSession(copy.get());
+  return copy;
+}
+
+// Reads one session, and makes sure of all that others take for granted.
+class Reader {
+ public:
+  Reader(Database* database, SessionStage stage) : database_(*database), stage_(stage) {}
+
+  SessionContents Read() {
+    SessionContents contents;
+    contents.config = TextOf(kSessionConfig);
+    contents.is_finished = stage_ == SessionStage::kFinished;
+    ReadScans(&contents);
+    ReadKeyframes(&contents);
+    ReadPoses(&contents);
+    ReadConstraints(&contents);
+    ReadSubmaps(&contents);
+    if (contents.is_finished) {
+      ReadTilts(&contents);
+      ShiftStamps(&contents);
+    } else {
+      ReadState(&contents);
+    }
+    return contents;
+  }
+
+  std::string TextOf(const char* key) {
+    Database::Statement statement(&database_, "SELECT value FROM session WHERE key = ?");
+    statement.BindText(key);
+    Require(statement.Step(), std::string("table session, ") + key, "there is none");
+    return statement.Text(0);
+  }
+
+  bool IsFinished() {
+    const std::optional<int64_t> value =
+        database_.Integer(std::string("SELECT value FROM session WHERE key = '") + kSessionFinished + "'");
+    Require(value == 0 || value == 1, std::string("table session, ") + kSessionFinished, "it is neither 0 nor 1");
+    return value == 1;
+  }
+
+ private:
+  // Throws unless `condition` holds of `part`.
+  void Require(bool condition, const std::string& part, const std::string& problem) const {
+    if (condition) return;
+    throw UserError(database_.path() + ", " + part, "is damaged: " + problem, "use a copy, or map the recording again");
+  }
+
+  std::string Place(const std::string& part) const { return database_.path() + ", " + part; }
+
+  static std::string Part(const char* what, size_t number) { return what + (" " + std::to_string(number)); }
+
+  bool AreFinite(const std::vector<Eigen::Vector2f>& points) const {
+    return std::all_of(points.begin(), points.end(), [](const Eigen::Vector2f& point) { return point.allFinite(); });
+  }
+
+  void ReadScans(SessionContents* contents) {
+    Database::Statement row(&database_, "SELECT id, stamp, status, data, fingerprint FROM scans ORDER BY id");
+    while (row.Step()) {
+      const size_t index = contents->read.size();
+      const std::string part = Part("scan", index);
+      Require(row.Integer(0) == static_cast<int64_t>(index), part, "it is missing");
+      const std::string bytes = Decompress(row.Bytes(3), Place(part));
+      BinaryReader fields(bytes, Place(part));
+      SessionContents::ReadScan scan;
+      scan.fingerprint = static_cast<uint64_t>(row.Integer(4));
+      ScanResult& result = scan.result;
+      fields(result);
+      Require(result.status == ScanStatus::kMatched || result.status == ScanStatus::kPredicted ||
+                  result.status == ScanStatus::kSkipped,
+              part, "its status is unknown");
+      Require(result.match.verdict >= MatchVerdict::kAccepted && result.match.verdict <= MatchVerdict::kDegenerate,
+              part, "its verdict is unknown");
+      Require(row.Real(1) == result.stamp && row.Integer(2) == static_cast<int64_t>(result.status), part,
+              "its columns contradict each other");
+      if (result.status != ScanStatus::kSkipped) {
+        PosedScan posed;
+        fields(posed);
+        Require(std::isfinite(posed.stamp) && (contents->scans.empty() || posed.stamp > contents->scans.back().stamp),
+                part, "its stamp is not after the one before");
+        contents->scans.push_back(std::move(posed));
+      }
+      fields.CheckEnd();
+      contents->read.push_back(std::move(scan));
+    }
+  }
+
+  void ReadKeyframes(SessionContents* contents) {
+    Database::Statement row(&database_, "SELECT id, is_inserted, scan FROM keyframes ORDER BY id");
+    while (row.Step()) {
+      const size_t index = contents->keyframes.size();
+      const std::string part = Part("keyframe", index);
+      Require(row.Integer(0) == static_cast<int64_t>(index), part, "it is missing");
+      Keyframe keyframe;
+      keyframe.id = KeyframeId{static_cast<int>(index)};
+      keyframe.is_inserted = row.Integer(1) != 0;
+      const std::string bytes = Decompress(row.Bytes(2), Place(part));
+      BinaryReader fields(bytes, Place(part));
+      fields(keyframe.scan);
+      fields.CheckEnd();
+      const PlanarScan& scan = keyframe.scan;
+      Require(std::isfinite(scan.stamp) && AreFinite(scan.points) && AreFinite(scan.free_ends), part,
+              "it holds values that are not finite");
+      contents->keyframes.push_back(std::move(keyframe));
+    }
+    for (const PosedScan& scan : contents->scans) {
+      Require(scan.keyframe.value >= 0 && static_cast<size_t>(scan.keyframe.value) < contents->keyframes.size(),
+              Part("the scan at", static_cast<size_t>(std::max(0.0, scan.stamp))), "its keyframe is missing");
+    }
+  }
+
+  SE2 PoseOf(const Database::Statement& row, int column, const std::string& part) const {
+    const double x = row.Real(column);
+    const double y = row.Real(column + 1);
+    const double theta = row.Real(column + 2);
+    Require(std::isfinite(x) && std::isfinite(y) && std::isfinite(theta), part, "its pose is not finite");
+    return SE2(x, y, theta);
+  }
+
+  NodeId NodeOf(const Database::Statement& row, int column, const std::string& part) const {
+    const int64_t kind = row.Integer(column);
+    const int64_t id = row.Integer(column + 1);
+    Require((kind == 0 || kind == 1) && id >= 0 && id <= kMostIds, part, "it names no keyframe or submap");
+    if (kind == 0) return KeyframeId{static_cast<int>(id)};
+    return SubmapId{static_cast<int>(id)};
+  }
+
+  void ReadPoses(SessionContents* contents) {
+    Database::Statement row(&database_, "SELECT kind, id, x, y, theta FROM poses WHERE stage = ? ORDER BY kind, id");
+    row.Bind(static_cast<int64_t>(stage_));
+    size_t num_keyframes = 0;
+    size_t num_submaps = 0;
+    while (row.Step()) {
+      const NodeId id = NodeOf(row, 0, "table poses");
+      size_t& expected = id.kind == NodeId::Kind::kKeyframe ? num_keyframes : num_submaps;
+      const std::string part =
+          Part(id.kind == NodeId::Kind::kKeyframe ? "pose of keyframe" : "pose of submap", expected);
+      Require(static_cast<size_t>(id.value) == expected, part, "it is missing");
+      ++expected;
+      contents->graph.AddNode(id, PoseOf(row, 2, part));
+    }
+    Require(num_keyframes == contents->keyframes.size(), "table poses", "it does not go with the keyframes");
+  }
+
+  void ReadConstraints(SessionContents* contents) {
+    Database::Statement row(&database_,
+                            "SELECT id, provenance, from_kind, from_id, to_kind, to_id, x, y, theta, i_xx, i_xy, i_xt, "
+                            "i_yx, i_yy, i_yt, i_tx, i_ty, i_tt FROM constraints WHERE stage = ? ORDER BY id");
+    row.Bind(static_cast<int64_t>(stage_));
+    while (row.Step()) {
+      const size_t index = contents->graph.constraints().size();
+      const std::string part = Part("constraint", index);
+      Require(row.Integer(0) == static_cast<int64_t>(index), part, "it is missing");
+      Constraint constraint;
+      const std::optional<Constraint::Kind> kind = ConstraintKindOf(row.Text(1));
+      Require(kind.has_value(), part, "its provenance is unknown");
+      constraint.kind = *kind;
+      constraint.from = NodeOf(row, 2, part);
+      constraint.to = NodeOf(row, 4, part);
+      constraint.T_from_to = PoseOf(row, 6, part);
+      for (int i = 0; i < 9; ++i) constraint.information(i / 3, i % 3) = row.Real(9 + i);
+      const auto exists = [contents](NodeId id) { return contents->graph.poses().count(id) > 0; };
+      Require(exists(constraint.from) && exists(constraint.to) && !(constraint.from == constraint.to), part,
+              "it is between keyframes or submaps that do not exist");
+      Require(constraint.information.allFinite(), part, "its information is not finite");
+      contents->graph.AddConstraint(constraint);
+    }
+  }
+
+  void ReadSubmaps(SessionContents* contents) {
+    Database::Statement row(&database_, "SELECT id, data FROM submaps WHERE stage = ? ORDER BY id");
+    row.Bind(static_cast<int64_t>(stage_));
+    while (row.Step()) {
+      const int64_t id = row.Integer(0);
+      const std::string part = Part("submap", contents->submaps.size());
+      const std::string bytes = Decompress(row.Bytes(1), Place(part));
+      BinaryReader fields(bytes, Place(part));
+      Submap submap;
+      fields(submap);
+      fields.CheckEnd();
+      Require(submap.id.value == id && contents->graph.poses().count(submap.id) > 0, part, "it has no pose");
+      for (const KeyframeId keyframe : submap.keyframes) {
+        Require(keyframe.value >= 0 && static_cast<size_t>(keyframe.value) < contents->keyframes.size(), part,
+                "a keyframe of it is missing");
+      }
+      for (const OccupiedCell& cell : submap.cells) {
+        Require(cell.centroid.allFinite() && std::isfinite(cell.log_odds), part, "a cell of it is not finite");
+      }
+      contents->submaps.push_back(std::move(submap));
+    }
+  }
+
+  void ReadTilts(SessionContents* contents) {
+    Database::Statement row(&database_, "SELECT scan, roll, pitch, z FROM tilts ORDER BY scan");
+    size_t index = 0;
+    for (; row.Step(); ++index) {
+      const std::string part = Part("tilt of scan", index);
+      Require(row.Integer(0) == static_cast<int64_t>(index) && index < contents->scans.size(), part, "it is misplaced");
+      contents->scans[index].tilt = {row.Real(1), row.Real(2), row.Real(3)};
+    }
+    Require(index == contents->scans.size(), "table tilts", "it does not go with the scans");
+  }
+
+  void ShiftStamps(SessionContents* contents) {
+    Database::Statement row(&database_, "SELECT value FROM session WHERE key = ?");
+    row.BindText(kSessionStampShift);
+    const std::string part = std::string("table session, ") + kSessionStampShift;
+    Require(row.Step(), part, "there is none");
+    const double shift = row.Real(0);
+    Require(std::isfinite(shift), part, "it is not finite");
+    for (PosedScan& scan : contents->scans) scan.stamp += shift;
+    for (Keyframe& keyframe : contents->keyframes) keyframe.scan.stamp += shift;
+  }
+
+  void ReadState(SessionContents* contents) {
+    Database::Statement row(&database_, "SELECT data FROM state");
+    if (!row.Step()) {
+      Require(contents->read.empty(), "table state", "it is empty");
+      return;
+    }
+    const std::string bytes = Decompress(row.Bytes(0), Place("table state"));
+    BinaryReader fields(bytes, Place("table state"));
+    fields(contents->state);
+    fields.CheckEnd();
+  }
+
+  Database& database_;
+  SessionStage stage_;
+};
+
+SessionContents ReadStage(const std::string& path, std::optional<SessionStage> stage) {
+  const std::unique_ptr<Database> database = OpenSession(path);
+  const bool is_finished = Reader(database.get(), SessionStage::kTracked).IsFinished();
+  return Reader(database.get(), stage.value_or(is_finished ? SessionStage::kFinished : SessionStage::kTracked)).Read();
+}
+
+}  // namespace
+
+SessionContents ReadSession(const std::string& path) { return ReadStage(path, std::nullopt); }
+
+SessionContents ReadTracked(const std::string& path) { return ReadStage(path, SessionStage::kTracked); }
+
+SessionSummary ReadSessionSummary(const std::string& path) {
+  SessionSummary summary;
+  {
+    Database file(path, Database::Mode::kRead);
+    summary.format = SessionFormatOf(&file);
+  }
+  const std::unique_ptr<Database> database = OpenSession(path);
+  Reader reader(database.get(), SessionStage::kTracked);
+  summary.input = reader.TextOf(kSessionInput);
+  summary.config = reader.TextOf(kSessionConfig);
+  summary.is_finished = reader.IsFinished();
+  return summary;
+}
+
+SessionContents Completed(SessionContents contents, const SlamOptions& options, const std::string& place) {
+  if (contents.is_finished) return contents;
+  SessionContents completed;
+  completed.config = contents.config;
+  completed.read = contents.read;
+  Slam slam(options, 1, std::move(contents), place);
+  slam.Finish(true);
+  completed.scans = slam.scans();
+  completed.keyframes = slam.keyframes();
+  completed.submaps = slam.submaps();
+  completed.graph = slam.graph();
+  return completed;
+}
+
+std::vector<std::string> DatabaseProblems(const std::string& path) {
+  Database database(path, Database::Mode::kRead);
+  Database::Statement row(&database, "PRAGMA integrity_check(10)");
+  std::vector<std::string> problems;
+  while (row.Step()) {
+    if (row.Text(0) != "ok") problems.push_back(row.Text(0));
+  }
+  return problems;
+}
+
+int MigrateSessionFile(const std::string& path) {
+  Database database(path, Database::Mode::kWrite);
+  const int format = SessionFormatOf(&database);
+  MigrateSession(&database);
+  return format;
+}
+
+}  // namespace arborslam
