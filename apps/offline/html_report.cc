@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "apps/common/version.h"
+#include "apps/offline/html_text.h"
 #include "apps/offline/map_picture.h"
 #include "apps/offline/report_template.h"
 #include "apps/offline/run_figures.h"
@@ -408,20 +409,6 @@ class LoopTable {
   std::set<std::pair<int, int>> dropped_;  // Submap, keyframe.
 };
 
-std::string Base64(const std::string& bytes) {
-  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (size_t i = 0; i < bytes.size(); i += 3) {
-    uint32_t group = 0;
-    for (size_t k = 0; k < 3; ++k) {
-      group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-    }
-    for (size_t k = 0; k < 4; ++k) text += i + k > bytes.size() ? '=' : kDigits[group >> (18 - 6 * k) & 63];
-  }
-  return text;
-}
-
 // JSON for a script element: no '<' in it can end the element or begin a comment.
 std::string ForScript(const Json& json) {
   // What is not UTF-8, which names of files need not be, is replaced.
@@ -433,30 +420,6 @@ std::string ForScript(const Json& json) {
       result += "\\u003c";
     } else {
       result += c;
-    }
-  }
-  return result;
-}
-
-std::string ForHtml(const std::string& text) {
-  const std::string valid = Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace));
-  std::string result;
-  for (const char c : valid) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        result += c;
     }
   }
   return result;

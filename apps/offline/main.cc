@@ -23,6 +23,7 @@
 #include "apps/offline/cloud.h"
 #include "apps/offline/footprints.h"
 #include "apps/offline/graph_export.h"
+#include "apps/offline/graph_run.h"
 #include "apps/offline/html_report.h"
 #include "apps/offline/map_picture.h"
 #include "apps/offline/offline_options.h"
@@ -66,14 +67,16 @@ Smooths a recorded run: matches every scan, closes loops, and writes the traject
 and options give the same results, bit by bit, for any number of threads.
 
   --input PATH           recording: a folder of 3D sweeps (KITTI .bin, .pcd or .ply, with timestamps.txt or times.txt),
-                         or a .npz file of planar scans: scan0 (N x B ranges [m]) and time (N stamps [s])
+                         or a .npz file of planar scans: scan0 (N x B ranges [m]) and time (N stamps [s]); or a pose
+                         graph, .g2o (VERTEX_SE2, EDGE_SE2, FIX), which is smoothed as it is
   --output DIR           created if it does not exist
   --session FILE.db      goes on with an interrupted run: --input is the recording that it was made from; what the
                          session holds already is not tracked again, and the results are those of a run in one piece
   --config FILE.yaml     options; config/default.yaml lists them all; with --session, those of the session come first
   --set SECTION.KEY=VALUE ...
                          one option each, after the file's
-  --ground_truth FILE    TUM file or .npz with gnss_rotated_c; reported against, never used
+  --ground_truth FILE    TUM file or .npz with gnss_rotated_c; for a pose graph also lines of id x y theta, or a .g2o;
+                         reported against, never used
   --threads N            for loop closure and optimisation (default, and at most: all cores)
   --odometry_only        close no loops: trajectory.tum is what the sliding window left
   --max_scans N          stop after N scans
@@ -84,8 +87,9 @@ Writes trajectory.tum (optimised pose of every scan used), odometry.tum (the cau
 map.pgm + map.yaml (ROS map_server), map.png, cloud.ply (3D map, from 3D sweeps), graph.g2o, summary.json (counts, rejected scans with reasons, loops, times,
 memory, errors), report.html (all of this for the browser, in one file) and effective_config.yaml; and session.db, the
 run as it goes, from which --session and arborslam_session start, also when this program was killed. A pose's stamp is the
-middle of its sweep. Ctrl-C ends the reading early and keeps what there is (exit code 130), but makes no 3D map; a second
-one ends the program at once.
+middle of its sweep. Of a pose graph: trajectory.tum (every vertex, its id as the stamp), graph.g2o, graph.png,
+summary.json, report.html and effective_config.yaml. Ctrl-C ends the reading early and keeps what there is (exit code
+130), but makes no 3D map; a second one ends the program at once.
 )";
 
 // After an interruption the exit code is this and the signal's number, as shells have it.
@@ -93,9 +97,17 @@ constexpr int kExitSignalled = 128;
 
 constexpr char kCloudFile[] = "cloud.ply";
 constexpr char kSessionFile[] = "session.db";
-constexpr std::array<const char*, 10> kResultFiles = {
-    "trajectory.tum", "odometry.tum", "map.yaml",     "map.pgm",     "map.png",
-    kCloudFile,       "graph.g2o",    "summary.json", "report.html", "effective_config.yaml"};
+constexpr std::array<const char*, 11> kResultFiles = {"trajectory.tum",
+                                                      "odometry.tum",
+                                                      "map.yaml",
+                                                      "map.pgm",
+                                                      "map.png",
+                                                      kCloudFile,
+                                                      "graph.g2o",
+                                                      "graph.png",
+                                                      "summary.json",
+                                                      "report.html",
+                                                      "effective_config.yaml"};
 
 // The signal that asks for an early end, or 0. A handler can reach nothing else.
 volatile std::sig_atomic_t g_signal = 0;
@@ -370,6 +382,14 @@ int Run(const MultiFlags& multi_flags) {
     throw UsageError("--config or --set differs from what the session " + FLAGS_session +
                      " was tracked with; with --session only the sections loop, graph, map_refinement, map and cloud "
                      "can be changed");
+  }
+
+  if (IsG2oFile(FLAGS_input)) {
+    if (FLAGS_odometry_only)
+      throw UsageError("--odometry_only is for recordings, and a pose graph is none; leave it out");
+    if (FLAGS_max_scans > 0) throw UsageError("--max_scans is for recordings, and a pose graph is none; leave it out");
+    const GraphRun run{FLAGS_input, FLAGS_ground_truth, schema.ToYaml(), NumThreads(), FLAGS_quiet};
+    return RunOnGraph(run, options, &PrepareOutput);
   }
 
   std::optional<Trajectory3> reference;

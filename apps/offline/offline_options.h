@@ -1,6 +1,7 @@
 #ifndef ARBORSLAM_APPS_OFFLINE_OFFLINE_OPTIONS_H_
 #define ARBORSLAM_APPS_OFFLINE_OFFLINE_OPTIONS_H_
 
+#include "backend/graph/graph_smoother.h"
 #include "backend/slam_options.h"
 #include "core/io/sweep_folder_options.h"
 #include "core/map/cloud_options.h"
@@ -14,6 +15,7 @@ struct OfflineOptions {
   SlamOptions slam;
   FineMapOptions map;
   CloudOptions cloud;
+  SmoothingOptions smoothing;
 
   /// Calls `visit(name, options)` for every section, in the order of the pipeline.
   template <class Visitor>
@@ -22,6 +24,7 @@ struct OfflineOptions {
     slam.VisitSections(visit);
     visit("map", map);
     visit("cloud", cloud);
+    visit("smoothing", smoothing);
   }
 };
 

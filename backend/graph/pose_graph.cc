@@ -3,75 +3,18 @@
 #include <ceres/cost_function.h>
 #include <glog/logging.h>
 
-#include <algorithm>
-#include <cmath>
-#include <optional>
+#include <memory>
 #include <utility>
 
 #include "backend/factors/relative_pose_factor.h"
+#include "backend/graph/robust_minimum.h"
 #include "backend/graph/robust_solver.h"
 #include "core/config/validation.h"
-#include "core/parallel.h"
 
 namespace arborslam {
 namespace {
 
-// Of the last solve, and of those on the way. Growing goes on while few loops at a time come to fit.
-constexpr double kFineTolerance = 1e-8;
-constexpr double kGrowingTolerance = 1e-5;
-constexpr double kShrinkingTolerance = 1e-3;
-constexpr int kCoarseIterations = 20;
-// How much one solve's scale differs from that of the one before. Few and large steps of shrinking do (Yang et al. take
-// 1.4): what a solve costs is less its iterations than Ceres' analysis of the graph.
-constexpr double kGrowth = 4.0;
-constexpr double kShrinkage = 16.0;
-
-double LargestLoopError(const RobustSolver& solver, const std::vector<GraphEdge>& edges) {
-  double largest = 0.0;
-  for (const GraphEdge& edge : edges) {
-    if (edge.may_be_wrong) largest = std::max(largest, ErrorOf(edge, solver.poses()));
-  }
-  return largest;
-}
-
-void SolveGrowing(double gate, RobustSolver* solver) {
-  solver->Solve(gate / kGrowth, kCoarseIterations, kGrowingTolerance);
-  solver->Solve(gate, kCoarseIterations, kGrowingTolerance);
-}
-
-void SolveShrinking(double gate, const std::vector<GraphEdge>& edges, RobustSolver* solver) {
-  // At sqrt(2) times the largest error, the cost of all loops is nearly quadratic (Yang et al. 2020, remark 5).
-  double scale = std::sqrt(2.0) * LargestLoopError(*solver, edges);
-  while (scale > gate) {
-    solver->Solve(scale, 1, kShrinkingTolerance);
-    scale = std::min(scale / kShrinkage, std::sqrt(2.0) * LargestLoopError(*solver, edges));
-  }
-  solver->Solve(gate, kCoarseIterations, kShrinkingTolerance);
-}
-
-// The lower of the two minima of `PoseGraph::Optimize`.
-struct RobustMinimum {
-  std::vector<Eigen::Vector3d> poses;
-  int iterations = 0;
-};
-
-RobustMinimum FindRobustMinimum(const std::vector<Eigen::Vector3d>& initial, const std::vector<GraphEdge>& edges,
-                                double gate, int num_threads) {
-  std::optional<RobustSolver> growing;
-  std::optional<RobustSolver> shrinking;
-  const auto grow = [&] { SolveGrowing(gate, &growing.emplace(initial, edges)); };
-  const auto shrink = [&] { SolveShrinking(gate, edges, &shrinking.emplace(initial, edges)); };
-  const auto all_fit = [&] { return LargestLoopError(*growing, edges) <= gate; };
-  if (num_threads < 2) {
-    grow();
-    if (!all_fit()) shrink();
-  } else {
-    ParallelFor(2, 2, [&](size_t i) { i == 0 ? grow() : shrink(); });
-  }
-  if (all_fit()) return {growing->poses(), growing->iterations()};
-  const RobustSolver& lower = shrinking->final_cost() < growing->final_cost() ? *shrinking : *growing;
-  return {lower.poses(), growing->iterations() + shrinking->iterations()};
-}
+constexpr double kFineTolerance = 1e-8;  // Of the last solve.
 
 }  // namespace
 
@@ -117,7 +60,7 @@ PoseGraphSummary PoseGraph::Optimize(const PoseGraphOptions& options, int num_th
 
   const std::vector<Eigen::Vector3d> initial = poses;
   if (has_loops) {
-    RobustMinimum minimum = FindRobustMinimum(initial, edges, options.loop_gate, num_threads);
+    RobustMinimum minimum = FindRobustMinimum(initial, initial, edges, {0}, options.loop_gate, num_threads);
     poses = std::move(minimum.poses);
     summary.iterations = minimum.iterations;
     std::vector<Constraint> kept_constraints;

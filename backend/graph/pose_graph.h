@@ -49,14 +49,8 @@ class PoseGraph {
   /// constraints (sparse Cholesky of SuiteSparse). Poses without a constraint stay where they are.
   ///
   /// A constraint costs its squared weighted error r^2; a loop, which may be wrong, costs c^2 r^2 / (c^2 + r^2) (Geman
-  /// and McClure), c = `loop_gate`. This cost has many minima. Two are sought, the lower one is taken, loops that err
-  /// by more than c there are dropped, and the rest is solved to convergence:
-  ///
-  /// - growing: c/4 comes first, so that only loops that fit the present poses closely count. Short loops correct the
-  ///   path before long ones are judged (much as dynamic covariance scaling does, Agarwal et al. 2013);
-  /// - shrinking: a great c comes first and all loops count, then ever fewer of those that disagree with the others
-  ///   (graduated non-convexity, Yang et al. 2020). So loops that agree with each other remove any drift. Left out when
-  ///   growing has accepted every loop.
+  /// and McClure), c = `loop_gate`. This cost has many minima. The lower of two is taken (see `FindRobustMinimum`),
+  /// loops that err by more than c there are dropped, and the rest is solved to convergence.
   ///
   /// @param num_threads with two or more, both minima are sought at once; the result is the same bits.
   PoseGraphSummary Optimize(const PoseGraphOptions& options, int num_threads);

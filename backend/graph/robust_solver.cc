@@ -61,10 +61,11 @@ double CostOf(const std::vector<GraphEdge>& edges, const std::vector<Eigen::Vect
 
 class RobustSolver::Problem {
  public:
-  Problem(const std::vector<GraphEdge>& graph_edges, std::vector<Eigen::Vector3d>* poses)
+  Problem(const std::vector<GraphEdge>& graph_edges, const std::vector<size_t>& held,
+          std::vector<Eigen::Vector3d>* poses)
       : edges(graph_edges), ceres(OwnNothing()) {
     for (Eigen::Vector3d& pose : *poses) ceres.AddParameterBlock(pose.data(), 3);
-    ceres.SetParameterBlockConstant(poses->front().data());
+    for (const size_t i : held) ceres.SetParameterBlockConstant((*poses)[i].data());
     for (const GraphEdge& edge : edges) {
       ceres.AddResidualBlock(edge.factor.get(), edge.may_be_wrong ? &loss : nullptr, (*poses)[edge.from].data(),
                              (*poses)[edge.to].data());
@@ -76,8 +77,9 @@ class RobustSolver::Problem {
   ceres::Problem ceres;
 };
 
-RobustSolver::RobustSolver(const std::vector<Eigen::Vector3d>& poses, const std::vector<GraphEdge>& edges)
-    : poses_(poses), problem_(std::make_unique<Problem>(edges, &poses_)) {}
+RobustSolver::RobustSolver(const std::vector<Eigen::Vector3d>& poses, const std::vector<GraphEdge>& edges,
+                           const std::vector<size_t>& held)
+    : poses_(poses), problem_(std::make_unique<Problem>(edges, held, &poses_)) {}
 
 RobustSolver::~RobustSolver() = default;
 
@@ -88,6 +90,8 @@ void RobustSolver::Solve(double scale, int max_iterations, double tolerance) {
   options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
   options.max_num_iterations = max_iterations;
   options.function_tolerance = tolerance;
+  // Nearly undamped from the start: poses are near their optimum, or no step is any better than the full one.
+  options.initial_trust_region_radius = 1e9;
   options.logging_type = ceres::SILENT;
   options.num_threads = 1;
   std::string error;

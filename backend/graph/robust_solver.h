@@ -26,11 +26,13 @@ double ErrorOf(const GraphEdge& edge, const std::vector<Eigen::Vector3d>& poses)
 double CostOf(const std::vector<GraphEdge>& edges, const std::vector<Eigen::Vector3d>& poses, double scale);
 
 /// Poses under optimisation (Ceres, sparse Cholesky of SuiteSparse, one thread: Ceres adds costs up in the order in
-/// which its threads finish, so that more would change the last bits). The first pose is held.
+/// which its threads finish, so that more would change the last bits).
 class RobustSolver {
  public:
   /// @param poses x, y, theta [m, m, rad], at least one.
-  RobustSolver(const std::vector<Eigen::Vector3d>& poses, const std::vector<GraphEdge>& edges);
+  /// @param held  places of the poses that stay where they are.
+  RobustSolver(const std::vector<Eigen::Vector3d>& poses, const std::vector<GraphEdge>& edges,
+               const std::vector<size_t>& held = {0});
   ~RobustSolver();
 
   /// Goes towards the least `CostOf` at `scale`. Stops when a step lessens it by a smaller share than `tolerance`.

@@ -90,10 +90,10 @@ Trajectory3 ReadTrajectory(const std::string& path) {
   return HasZipMagic(path) ? ReadPullallyReference(path) : ReadTum(path);
 }
 
-void WriteTum(const std::string& path, const Trajectory3& trajectory) {
+void WriteTum(const std::string& path, const Trajectory3& trajectory, const std::string& stamp) {
   AtomicFile file(path);
   std::ostream& stream = file.stream();
-  stream << "# stamp = middle of sweep [s], T_map_base as x y z [m] and unit quaternion\n# " << kTumLayout << "\n"
+  stream << "# stamp = " << stamp << ", T_map_base as x y z [m] and unit quaternion\n# " << kTumLayout << "\n"
          << std::fixed << std::setprecision(9);
   for (const StampedPose3& pose : trajectory.poses) {
     CHECK(std::isfinite(pose.stamp) && pose.position.allFinite() && pose.orientation.coeffs().allFinite())
@@ -106,6 +106,8 @@ void WriteTum(const std::string& path, const Trajectory3& trajectory) {
   file.Commit();
 }
 
-void WriteTum(const std::string& path, const Trajectory& trajectory) { WriteTum(path, ToTrajectory3(trajectory)); }
+void WriteTum(const std::string& path, const Trajectory& trajectory, const std::string& stamp) {
+  WriteTum(path, ToTrajectory3(trajectory), stamp);
+}
 
 }  // namespace arborslam

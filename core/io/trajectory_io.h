@@ -20,12 +20,15 @@ namespace arborslam {
 /// too many columns, the stamps do not increase, or there is no pose at all.
 Trajectory3 ReadTrajectory(const std::string& path);
 
+/// What the stamps of a trajectory are, for the comment in its file.
+constexpr char kStampOfSweep[] = "middle of sweep [s]";
+
 /// Writes `trajectory` in TUM format, stamps with 9 decimals, a comment with frames and units first. All values must be
 /// finite. Throws `UserError` when the file cannot be written.
-void WriteTum(const std::string& path, const Trajectory3& trajectory);
+void WriteTum(const std::string& path, const Trajectory3& trajectory, const std::string& stamp = kStampOfSweep);
 
 /// The same for a planar trajectory, with z = 0.
-void WriteTum(const std::string& path, const Trajectory& trajectory);
+void WriteTum(const std::string& path, const Trajectory& trajectory, const std::string& stamp = kStampOfSweep);
 
 }  // namespace arborslam
 

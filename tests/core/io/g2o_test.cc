@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <random>
+#include <set>
 #include <string>
 
 #include "tests/core/io/temp_folder.h"
@@ -36,6 +37,21 @@ TEST(G2o, ReadsVerticesEdgesAndTheInformationsUpperTriangle) {
   EXPECT_TRUE(graph.edges[0].measurement.IsApprox(SE2(1.0, 2.0, 0.5)));
   const Eigen::Matrix3d expected = (Eigen::Matrix3d() << 10, 1, 2, 1, 11, 3, 2, 3, 12).finished();
   EXPECT_EQ(graph.edges[0].information, expected);
+  EXPECT_EQ(graph.fixed, std::set<int>{0});
+}
+
+TEST(G2o, IsToldByItsNameOrItsFirstRecord) {
+  const TempFolder folder;
+  EXPECT_TRUE(IsG2oFile(folder.Write("a", "# poses\n\n  EDGE_SE2 0 5\n")));
+  EXPECT_TRUE(IsG2oFile(folder.Write("b", "VERTEX_SE3:QUAT 0\n")));
+  EXPECT_TRUE(IsG2oFile(folder.Write("c", "FIX 0\nVERTEX_SE2")));
+  EXPECT_TRUE(IsG2oFile(folder.Write("d.g2o", "1 2 3\n")));
+  EXPECT_FALSE(IsG2oFile(folder.Write("e", "# VERTEX_SE2\n0 0 0 0\n")));
+  EXPECT_FALSE(IsG2oFile(folder.Write("f", std::string("PK\3\4\0\0", 6))));
+  EXPECT_FALSE(IsG2oFile(folder.Write("g", "\n")));
+  EXPECT_FALSE(IsG2oFile(folder.Write("h", "")));
+  EXPECT_FALSE(IsG2oFile(folder.path()));
+  EXPECT_FALSE(IsG2oFile("/nowhere/a.g2o"));
 }
 
 TEST(G2o, GraphsReadBackExactly) {
@@ -50,10 +66,12 @@ TEST(G2o, GraphsReadBackExactly) {
     written.edges.push_back({3 * i, 3 * i + 3, SE2(normal(random), normal(random), normal(random)),
                              information.selfadjointView<Eigen::Upper>()});
   }
+  written.fixed = {3, 9};
   WriteG2o(folder.File("a.g2o"), written);
   const PoseGraph2 read = ReadG2o(folder.File("a.g2o"));
   ASSERT_EQ(read.vertices.size(), written.vertices.size());
   for (const auto& [id, pose] : written.vertices) EXPECT_EQ(read.vertices.at(id).vector(), pose.vector()) << id;
+  EXPECT_EQ(read.fixed, written.fixed);
   ASSERT_EQ(read.edges.size(), written.edges.size());
   for (size_t i = 0; i < read.edges.size(); ++i) {
     EXPECT_EQ(read.edges[i].from, written.edges[i].from);
@@ -74,6 +92,12 @@ TEST(G2o, DamagedRecordsAreNamedByLine) {
   EXPECT_THAT(ErrorOf(two + "EDGE_SE2 0 1 1 0 0 1 0 inf 1 0 1\n"), HasSubstr("I13 'inf'"));
   EXPECT_THAT(ErrorOf("VERTEX_SE2 0.5 0 0 0\n"), HasSubstr("id '0.5' is not an integer"));
   EXPECT_THAT(ErrorOf("VERTEX_SE2 99999999999 0 0 0\n"), HasSubstr("'99999999999'"));
+  EXPECT_THAT(ErrorOf("VERTEX_SE2 -1 0 0 0\n"), AllOf(HasSubstr("line 1"), HasSubstr("vertex id -1")));
+  EXPECT_THAT(ErrorOf("VERTEX_SE2 0 0 2e9 0\n"), AllOf(HasSubstr("line 1"), HasSubstr("y '2e9' is beyond 1e+09")));
+  EXPECT_THAT(ErrorOf(two + "EDGE_SE2 0 1 1 0 0 1e200 0 0 1 0 1\n"), HasSubstr("I11 '1e200' is beyond 1e+15"));
+  EXPECT_THAT(ErrorOf("FIX 0 7\n" + two), AllOf(HasSubstr("line 1"), HasSubstr("fixes vertex 7")));
+  EXPECT_THAT(ErrorOf(two + "FIX\n"), AllOf(HasSubstr("line 3"), HasSubstr("FIX id")));
+  EXPECT_THAT(ErrorOf(two + "FIX zero\n"), HasSubstr("id 'zero' is not an integer"));
   EXPECT_THAT(ErrorOf("VERTEX_SE2 0 0 0\n"), AllOf(HasSubstr("4 columns"), HasSubstr("VERTEX_SE2 id x y theta")));
   EXPECT_THAT(ErrorOf(two + "EDGE_SE2 0 1 1 0 0 1 0 0 1 0\n"), HasSubstr("11 columns"));
   EXPECT_THAT(ErrorOf(two + "EDGE_SE3:QUAT 0 1\n"),
