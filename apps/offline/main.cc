@@ -385,9 +385,11 @@ int Run(const MultiFlags& multi_flags) {
   }
 
   if (IsG2oFile(FLAGS_input)) {
-    if (FLAGS_odometry_only)
-      throw UsageError("--odometry_only is for recordings, and a pose graph is none; leave it out");
-    if (FLAGS_max_scans > 0) throw UsageError("--max_scans is for recordings, and a pose graph is none; leave it out");
+    for (const auto& [is_set, flag] :
+         {std::pair(FLAGS_odometry_only, "--odometry_only"), std::pair(FLAGS_max_scans > 0, "--max_scans"),
+          std::pair(!FLAGS_session.empty(), "--session")}) {
+      if (is_set) throw UsageError(std::string(flag) + " is for recordings, and a pose graph is none; leave it out");
+    }
     const GraphRun run{FLAGS_input, FLAGS_ground_truth, schema.ToYaml(), NumThreads(), FLAGS_quiet};
     return RunOnGraph(run, options, &PrepareOutput);
   }

@@ -39,9 +39,7 @@ class MotionNoise {
   Eigen::Vector3d most_;
   Eigen::Vector3d sigma_;
   Eigen::Vector3d bias_ = Eigen::Vector3d::Zero();  // [m, m, rad], mean of the last few errors.
-  std::array<std::vector<double>, 3> errors_;       // [m, m, rad], the latest ones' amounts, as rings.
-  std::array<size_t, 3> next_{};
-  std::vector<double> sorted_;
+  std::array<std::deque<double>, 3> errors_;        // [m, m, rad], the latest ones' amounts.
 };
 
 }  // namespace arborslam
