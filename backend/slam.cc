@@ -173,7 +173,9 @@ void Slam::AddPlanarScan(const PlanarScan& planar, const SE2& prediction, ScanRe
     scans_.push_back({result.stamp, last, window_.Pose(last).Inverse() * result.T_odom_base, {}, {}, {}, {}, {}});
     return;
   }
-  result.T_odom_base = Smooth(planar, prediction, sigma, tracked);
+  // The second scan's prediction is that the robot stands, which is not worth holding on to.
+  const SE2& expected = scans_.size() == 1 ? tracked.match.pose : prediction;
+  result.T_odom_base = Smooth(planar, expected, sigma, tracked);
   result.is_inserted = keyframes_.back().is_inserted;
   result.window_ms = stopwatch.Lap();
   scans_.push_back({result.stamp, keyframes_.back().id, SE2(), {}, {}, {}, {}, {}});
