@@ -118,7 +118,11 @@ struct HandmadeRun {
   }
 
   void AddLoop(int keyframe, bool accepted, const std::string& reason) {
-    LoopCandidate loop{KeyframeId{keyframe}, SubmapId{0}, {}, accepted, reason};
+    LoopCandidate loop;
+    loop.keyframe = KeyframeId{keyframe};
+    loop.submap = SubmapId{0};
+    loop.accepted = accepted;
+    loop.reason = reason;
     loop.match.score = 0.04;
     loop.match.inlier_ratio = 0.8;
     record.finish.loops.push_back(loop);
