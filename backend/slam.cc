@@ -20,6 +20,10 @@ namespace {
 // keyframe that begins it: a tenth of a millimetre.
 constexpr double kAnchorInformation = 1e8;
 
+// [m/s^2, rad/s^2], standard deviations of how a robot may change its motion at any time.
+constexpr double kLinearAcceleration = 2.0;
+constexpr double kAngularAcceleration = 2.0;
+
 // The mean of a prediction with standard deviations `sigma` [m, m, rad] and of the match, each counting as it knows.
 SE2 Fuse(const SE2& prediction, const Eigen::Vector3d& sigma, const MatchResult& match) {
   if (!IsUsable(match.verdict)) return prediction;
@@ -202,9 +206,12 @@ Eigen::Vector3d Slam::PredictionSigma(double stamp) const {
   const double last = scans_.back().stamp;
   const double previous = scans_[scans_.size() - 2].stamp;
   if (!CanExtrapolate(previous, last, stamp, options)) return most;
-  // After a longer step predictions err by more.
-  const double stretch = std::max(1.0, (stamp - last) / (last - previous));
-  return (stretch * motion_noise_.sigma()).cwiseMin(most);
+  // After a longer step predictions err by more. And however steadily a robot went so far, it can turn off or brake by
+  // as much as its inertia allows: much in a second, hardly anything in a tenth of one.
+  const double step = stamp - last;
+  const double stretch = std::max(1.0, step / (last - previous));
+  const Eigen::Vector3d inertia(kLinearAcceleration, kLinearAcceleration, kAngularAcceleration);
+  return (stretch * motion_noise_.sigma()).cwiseMax(0.5 * step * step * inertia).cwiseMin(most);
 }
 
 PlanarVelocity Slam::Velocity() const {

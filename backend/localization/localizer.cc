@@ -11,6 +11,8 @@
 namespace arborslam {
 namespace {
 
+constexpr int kMaxBlindScans = 2;  // In a row that match neither the map nor the scans before.
+
 // Submaps that a scan is matched to at most, and targets that are kept in memory.
 constexpr size_t kMaxSubmaps = 3;
 constexpr size_t kNumTargets = 16;
@@ -130,7 +132,8 @@ void Localizer::TrackInMap(const std::vector<Eigen::Vector2f>& points, Localizat
   result->reason = !IsUsable(result->match.verdict)           ? ToString(result->match.verdict)
                    : result->match.score > options_.max_score ? "score"
                                                               : "overlap";
-  if (++num_misses_ < options_.max_misses) return;
+  // Found neither in the map nor beside its last scans, the robot is elsewhere.
+  if (++num_misses_ < options_.max_misses && num_odometry_misses_ < kMaxBlindScans) return;
   state_ = LocalizationState::kLost;
   num_misses_ = 0;
   RestartOdometry();

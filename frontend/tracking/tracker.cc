@@ -23,6 +23,8 @@ constexpr double kMinNearTranslation = 0.15;
 constexpr double kMinNearRotation = 0.06;
 // Share of a scan's points that lie on the map, from which on it shows nothing new.
 constexpr double kKnownShare = 0.8;
+// [m], standard deviation of a prediction that places a degenerate scan: scans come so fast that others show the same.
+constexpr double kSureTranslation = 0.2;
 // Of the penalty for lying off the prediction, what is left when the robot's velocity is not known.
 constexpr double kTieBreak = 0.1;
 // A wide search must do this much better than the near one to be believed.
@@ -119,7 +121,8 @@ TrackingResult Tracker::Track(const std::vector<Eigen::Vector2f>& points, const 
   num_lost_ = IsUsable(match.verdict) ? 0 : num_lost_ + 1;
   if (num_lost_ > 0) return result;
   result.insert = match.score <= options_.max_insert_score;
-  result.adds_nothing = match.verdict == MatchVerdict::kDegenerate && match.inlier_ratio >= kKnownShare;
+  result.adds_nothing = match.verdict == MatchVerdict::kDegenerate && match.inlier_ratio >= kKnownShare &&
+                        sigma.head<2>().maxCoeff() <= kSureTranslation;
   result.measurements.push_back({older.id, T_submap_base, match.information});
   for (size_t i = 1; i < active_.size(); ++i) {
     ActiveSubmap& younger = active_[i];
