@@ -192,16 +192,33 @@ bool SkipTracked(ScanSource* source, const std::vector<SessionContents::ReadScan
   return has_sweeps;
 }
 
+// Keeps what the run has come to, for --session; without keyframes that is nothing.
+void KeepSession(const Slam& slam, SessionWriter* session) {
+  if (slam.keyframes().empty()) {
+    session->Discard();
+  } else {
+    session->Commit(slam);
+  }
+}
+
+std::optional<Scan> NextScan(ScanSource* source, const Slam& slam, SessionWriter* session) {
+  try {
+    return source->Next();
+  } catch (const UserError&) {
+    KeepSession(slam, session);
+    throw;
+  }
+}
+
 // Feeds the recording to `slam` and the session; fills the record's scans and the causal trajectory. True if the scans
 // are in space.
-bool Track(ScanSource* source, const std::vector<SessionContents::ReadScan>& read, Slam* slam, SessionWriter* session,
-           RunRecord* record, Trajectory3* odometry) {
+bool Track(ScanSource* source, Slam* slam, SessionWriter* session, RunRecord* record, Trajectory3* odometry) {
   std::optional<size_t> total = source->NumScans();
   if (total && FLAGS_max_scans > 0) total = std::min(*total, static_cast<size_t>(FLAGS_max_scans));
   ProgressBar progress(std::cerr, total, StderrIsTerminal() && !FLAGS_quiet);
-  bool has_sweeps = SkipTracked(source, read, record, odometry);
+  bool has_sweeps = false;
   while (g_signal == 0 && (FLAGS_max_scans == 0 || record->scans.size() < static_cast<size_t>(FLAGS_max_scans))) {
-    const std::optional<Scan> scan = source->Next();
+    const std::optional<Scan> scan = NextScan(source, *slam, session);
     if (!scan) break;
     has_sweeps = std::holds_alternative<LidarSweep>(*scan);
     record->scans.push_back(std::visit([slam](const auto& any) { return slam->AddScan(any); }, *scan));
@@ -211,7 +228,7 @@ bool Track(ScanSource* source, const std::vector<SessionContents::ReadScan>& rea
     progress.Update(record->scans.size());
   }
   record->is_interrupted = g_signal != 0;
-  session->Commit(*slam);
+  KeepSession(*slam, session);
   return has_sweeps;
 }
 
@@ -410,12 +427,14 @@ int Run(const MultiFlags& multi_flags) {
 
   std::signal(SIGINT, &OnSignal);
   std::signal(SIGTERM, &OnSignal);
+  // A file that may grow no further is an error like a full disk.
+  std::signal(SIGXFSZ, SIG_IGN);
   Stopwatch stopwatch;
-  const std::unique_ptr<SessionWriter> session = OpenSession(folder, schema.ToYaml(), tracked);
-  const std::vector<SessionContents::ReadScan> read = tracked.read;
-  Slam slam(options.slam, record.num_threads, std::move(tracked), FLAGS_session);
   Trajectory3 odometry;
-  const bool has_sweeps = Track(source.get(), read, &slam, session.get(), &record, &odometry);
+  bool has_sweeps = SkipTracked(source.get(), tracked.read, &record, &odometry);
+  const std::unique_ptr<SessionWriter> session = OpenSession(folder, schema.ToYaml(), tracked);
+  Slam slam(options.slam, record.num_threads, std::move(tracked), FLAGS_session);
+  has_sweeps |= Track(source.get(), &slam, session.get(), &record, &odometry);
   RequireKeyframes(slam, record);
   record.finish = slam.Finish(FLAGS_odometry_only);
   session->Finish(slam, record.finish.sweep_duration ? record.finish.sweep_duration->stamp_shift : 0.0);

@@ -24,7 +24,7 @@ int SessionInfo(const std::string& path) {
             << "keyframes    " << contents.keyframes.size() << "\n"
             << "submaps      " << contents.submaps.size() << "\n"
             << "constraints  " << constraints[0] << " to submaps, " << constraints[1] << " of the motion, "
-            << constraints[2] << " loops\n";
+            << constraints[2] << " at the end (loops, and all scans to the corrected maps)\n";
   if (!contents.scans.empty()) {
     std::cout << "stamps       " << std::fixed << std::setprecision(3) << contents.scans.front().stamp << " to "
               << contents.scans.back().stamp << " s\n";

@@ -118,7 +118,8 @@ void Database::Fail(int code) const {
     case SQLITE_MISMATCH:
       throw UserError(path_, std::string("is damaged (") + sqlite3_errmsg(connection_.get()) + ")", kUseCopy);
     case SQLITE_FULL:
-      throw UserError(path_, "the disk is full", "make room; what the session held before is kept");
+      throw UserError(path_, "could not be written completely: the disk is full",
+                      "make room; what the session held before is kept");
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
       throw UserError(path_, "is in use by another program", "wait until that has ended");
@@ -130,7 +131,9 @@ void Database::Fail(int code) const {
     case SQLITE_NOMEM:
       throw std::bad_alloc();
     case SQLITE_IOERR:
-      throw UserError(path_, "cannot be read or written (" + reason + ")",
+      throw UserError(path_,
+                      code == SQLITE_IOERR_READ ? "cannot be read (" + reason + ")"
+                                                : "could not be written completely (" + reason + ")",
                       "check the disk; what the session held before is kept");
     default:
       // A damaged file can lack tables and columns.

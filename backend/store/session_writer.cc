@@ -124,21 +124,21 @@ std::unique_ptr<SessionWriter> SessionWriter::Continue(const std::string& path, 
 }
 
 SessionWriter::SessionWriter(const std::string& path, Written written)
-    : database_(path, Database::Mode::kWrite), written_(std::move(written)) {
+    : path_(path), database_(std::in_place, path, Database::Mode::kWrite), written_(std::move(written)) {
   // One writer at a time, and none of the memory that readers would share with it.
-  database_.Execute("PRAGMA locking_mode = EXCLUSIVE");
-  database_.Execute("PRAGMA journal_mode = WAL");
+  database_->Execute("PRAGMA locking_mode = EXCLUSIVE");
+  database_->Execute("PRAGMA journal_mode = WAL");
   // A killed program loses nothing that was committed; a power cut may lose the last transactions, never the file.
-  database_.Execute("PRAGMA synchronous = NORMAL");
-  MigrateSession(&database_);
-  statements_ = std::make_unique<Statements>(&database_);
+  database_->Execute("PRAGMA synchronous = NORMAL");
+  MigrateSession(&*database_);
+  statements_ = std::make_unique<Statements>(&*database_);
 }
 
 SessionWriter::~SessionWriter() = default;
 
 void SessionWriter::Begin() {
   if (in_transaction_) return;
-  database_.Execute("BEGIN IMMEDIATE");
+  database_->Execute("BEGIN IMMEDIATE");
   in_transaction_ = true;
 }
 
@@ -161,8 +161,8 @@ void SessionWriter::Add(uint64_t fingerprint, const ScanResult& result, const Sl
 void SessionWriter::Commit(const Slam& slam) {
   Begin();
   if (written_.may_have_end) {
-    DeleteFinished(&database_);
-    SetFinished(&database_, false);
+    DeleteFinished(&*database_);
+    SetFinished(&*database_, false);
     written_.may_have_end = false;
   }
   WritePoses(slam);
@@ -180,7 +180,7 @@ void SessionWriter::Commit(const Slam& slam) {
     WriteSubmap(SessionStage::kTracked, slam.submaps()[written_.submaps]);
   }
   statements_->state.BindBytes(Packed(&compressor_, slam.SaveState())).Run();
-  database_.Execute("COMMIT");
+  database_->Execute("COMMIT");
   in_transaction_ = false;
   last_commit_ = std::chrono::steady_clock::now();
 }
@@ -233,6 +233,13 @@ void SessionWriter::WriteSubmap(SessionStage stage, const Submap& submap) {
       .Run();
 }
 
+void SessionWriter::Discard() {
+  statements_.reset();
+  database_.reset();
+  for (const char* ending : kSideFiles) Remove(path_ + ending);
+  Remove(path_);
+}
+
 void SessionWriter::Finish(const Slam& slam, double stamp_shift) {
   Begin();
   for (const auto& [id, pose] : slam.graph().poses()) WritePose(SessionStage::kFinished, id, pose);
@@ -241,21 +248,21 @@ void SessionWriter::Finish(const Slam& slam, double stamp_shift) {
   }
   for (const Submap& submap : slam.submaps()) WriteSubmap(SessionStage::kFinished, submap);
   {
-    Database::Statement tilt(&database_, "INSERT INTO tilts VALUES (?, ?, ?, ?)");
+    Database::Statement tilt(&*database_, "INSERT INTO tilts VALUES (?, ?, ?, ?)");
     for (size_t i = 0; i < slam.scans().size(); ++i) {
       const Tilt3& value = slam.scans()[i].tilt;
       tilt.Bind(static_cast<int64_t>(i)).Bind(value.roll).Bind(value.pitch).Bind(value.z).Run();
     }
   }
-  Database::Statement(&database_, "INSERT OR REPLACE INTO session VALUES (?, ?)")
+  Database::Statement(&*database_, "INSERT OR REPLACE INTO session VALUES (?, ?)")
       .BindText(kSessionStampShift)
       .Bind(stamp_shift)
       .Run();
-  SetFinished(&database_, true);
-  database_.Execute("COMMIT");
+  SetFinished(&*database_, true);
+  database_->Execute("COMMIT");
   in_transaction_ = false;
   statements_.reset();
-  database_.Execute("PRAGMA journal_mode = DELETE");
+  database_->Execute("PRAGMA journal_mode = DELETE");
 }
 
 }  // namespace arborslam

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,8 @@ class SessionWriter {
   void Add(uint64_t fingerprint, const ScanResult& result, const Slam& slam);
   /// Ends the present transaction with all that is new in `slam`, whose run has not ended.
   void Commit(const Slam& slam);
+  /// Closes the session and removes its file; nothing may follow.
+  void Discard();
   /// Writes what the end of the run came to, after `Commit` and `Slam::Finish`, once, and closes the session: a single
   /// file.
   /// @param stamp_shift [s], of `FinishResult::sweep_duration`, or 0.
@@ -70,7 +73,8 @@ class SessionWriter {
   struct Statements;
 
   Compressor compressor_;
-  Database database_;
+  std::string path_;
+  std::optional<Database> database_;  // Until it is discarded.
   std::unique_ptr<Statements> statements_;
   Written written_;
   bool in_transaction_ = false;
