@@ -26,6 +26,13 @@ bool Agree(const SE2& a, const SE2& b, double translation, double rotation) {
          std::abs(AngleDifference(a.theta(), b.theta())) <= rotation;
 }
 
+// Every scan is looked for in the map, also when the odometry takes the robot to stand, which may be wrong.
+SlamOptions EveryScanAKeyframe(SlamOptions options) {
+  options.tracker.keyframe_translation = 0.0;
+  options.tracker.keyframe_rotation = 0.0;
+  return options;
+}
+
 }  // namespace
 
 std::string LocalizerOptions::Validate() const {
@@ -61,7 +68,7 @@ const char* ToString(LocalizationState state) {
 Localizer::Localizer(const SlamOptions& options, const PlaceOptions& place, const LocalizerOptions& localizer,
                      const PoseGraph& graph, const std::vector<Keyframe>& keyframes, const std::vector<Submap>& submaps,
                      const std::optional<SE2>& initial_pose)
-    : slam_options_(options),
+    : slam_options_(EveryScanAKeyframe(options)),
       place_options_(place),
       options_(localizer),
       graph_(graph),
@@ -70,7 +77,7 @@ Localizer::Localizer(const SlamOptions& options, const PlaceOptions& place, cons
       matcher_(options.matcher, options.mhd, options.refinement),
       recognizer_(place, matcher_, options.matcher.max_second_ratio, graph, keyframes, submaps),
       targets_(submaps, options.grid.cell_size, options.matcher.max_distance, kNumTargets),
-      odometry_(std::make_unique<Slam>(options, 1)),
+      odometry_(std::make_unique<Slam>(slam_options_, 1)),
       initial_pose_(initial_pose) {}
 
 template <class AnyScan>
@@ -84,26 +91,22 @@ LocalizationResult Localizer::Add(const AnyScan& scan) {
   }
   num_odometry_misses_ = result.odometry.status == ScanStatus::kMatched ? 0 : num_odometry_misses_ + 1;
   result.T_map_base = T_map_odom_ * result.odometry.T_odom_base;
-  if (!result.odometry.is_keyframe) {
-    result.reason = "not moved";
+  const std::vector<Eigen::Vector2f>& points = odometry_->keyframes().back().scan.points;
+  if (initial_pose_) {
+    const MatchResult match =
+        MatchInMap(points, *initial_pose_, place_options_.search_translation, place_options_.search_rotation);
+    initial_pose_.reset();
+    if (IsFound(match)) {
+      T_map_odom_ = match.pose * result.odometry.T_odom_base.Inverse();
+      state_ = LocalizationState::kLocated;
+      result.is_fix = true;
+      result.T_map_base = match.pose;
+    }
+  }
+  if (state_ == LocalizationState::kLocated) {
+    TrackInMap(points, &result);
   } else {
-    const std::vector<Eigen::Vector2f>& points = odometry_->keyframes().back().scan.points;
-    if (initial_pose_) {
-      const MatchResult match =
-          MatchInMap(points, *initial_pose_, place_options_.search_translation, place_options_.search_rotation);
-      initial_pose_.reset();
-      if (IsFound(match)) {
-        T_map_odom_ = match.pose * result.odometry.T_odom_base.Inverse();
-        state_ = LocalizationState::kLocated;
-        result.is_fix = true;
-        result.T_map_base = match.pose;
-      }
-    }
-    if (state_ == LocalizationState::kLocated) {
-      TrackInMap(points, &result);
-    } else {
-      SearchInMap(points, &result);
-    }
+    SearchInMap(points, &result);
   }
   result.state = state_;
   if (num_odometry_misses_ > kMaxOdometryMisses) {
