@@ -78,6 +78,8 @@ Localizer::Localizer(const SlamOptions& options, const PlaceOptions& place, cons
       recognizer_(place, matcher_, options.matcher.max_second_ratio, graph, keyframes, submaps),
       targets_(submaps, options.grid.cell_size, options.matcher.max_distance, kNumTargets),
       odometry_(std::make_unique<Slam>(slam_options_, 1)),
+      vote_translation_step_(options.tracker.keyframe_translation),
+      vote_rotation_step_(options.tracker.keyframe_rotation),
       initial_pose_(initial_pose) {}
 
 template <class AnyScan>
@@ -105,8 +107,11 @@ LocalizationResult Localizer::Add(const AnyScan& scan) {
   }
   if (state_ == LocalizationState::kLocated) {
     TrackInMap(points, &result);
-  } else {
+  } else if (HasMovedSinceAsked(result.odometry.T_odom_base)) {
+    asked_at_ = result.odometry.T_odom_base;
     SearchInMap(points, &result);
+  } else {
+    result.reason = "not moved";
   }
   result.state = state_;
   if (num_odometry_misses_ > kMaxOdometryMisses) {
@@ -140,6 +145,12 @@ void Localizer::TrackInMap(const std::vector<Eigen::Vector2f>& points, Localizat
   state_ = LocalizationState::kLost;
   num_misses_ = 0;
   RestartOdometry();
+}
+
+bool Localizer::HasMovedSinceAsked(const SE2& T_odom_base) const {
+  if (!asked_at_) return true;
+  const SE2 motion = asked_at_->Inverse() * T_odom_base;
+  return motion.translation().norm() >= vote_translation_step_ || std::abs(motion.theta()) >= vote_rotation_step_;
 }
 
 void Localizer::SearchInMap(const std::vector<Eigen::Vector2f>& points, LocalizationResult* result) {
@@ -223,6 +234,7 @@ void Localizer::RestartOdometry() {
   T_map_odom_ = T_map_odom_ * odometry_->OptimizedTrajectory().back().pose;
   odometry_ = std::make_unique<Slam>(slam_options_, 1);
   votes_.clear();
+  asked_at_.reset();
   num_odometry_misses_ = 0;
 }
 

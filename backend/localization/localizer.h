@@ -22,7 +22,7 @@ struct LocalizerOptions {
   double search_rotation = 0.15;    ///< [rad], the same in heading.
   double max_score = 0.10;          ///< [m], a scan whose MHD is above this does not measure the pose.
   double min_overlap = 0.5;         ///< Share of the scan's points that must meet the map.
-  int max_misses = 8;               ///< The robot is lost when so many keyframes in a row are not found in the map.
+  int max_misses = 8;               ///< The robot is lost when so many scans in a row are not found in the map.
   int vote_keyframes = 10;          ///< A first pose is sought among the answers of the last so many keyframes.
   int min_votes = 3;                ///< So many of them must agree, and more than twice as many as contradict.
   double vote_translation = 0.5;    ///< [m], answers agree when they place the robot no farther apart than this,
@@ -69,9 +69,9 @@ struct LocalizationResult {
 };
 
 /// Tells where a robot drives in a map that was made before and is never changed. The motion between scans is that of
-/// `Slam`'s odometry, the place in the map is measured by matching each keyframe to the stored submap nearest to the
-/// prediction. Without a place, or lost, every keyframe is asked where it was taken (`PlaceRecognizer`); the robot is
-/// located only when several keyframes of different places, carried along by the odometry, agree: a wrong place is
+/// `Slam`'s odometry, the place in the map is measured by matching each scan to the stored submap nearest to the
+/// prediction. Without a place, or lost, scans are asked where they were taken (`PlaceRecognizer`); the robot is
+/// located only when several scans of different places, carried along by the odometry, agree: a wrong place is
 /// worse than a late one. For one thread; deterministic.
 class Localizer {
  public:
@@ -90,7 +90,9 @@ class Localizer {
  private:
   template <class AnyScan>
   LocalizationResult Add(const AnyScan& scan);
-  // Measures the place of a keyframe with these points near the prediction, or finds that it does not tell.
+  // Scans of one place would all give the same answer: only those that lie apart are asked where they were taken.
+  bool HasMovedSinceAsked(const SE2& T_odom_base) const;
+  // Measures the place of a scan with these points near the prediction, or finds that it does not tell.
   void TrackInMap(const std::vector<Eigen::Vector2f>& points, LocalizationResult* result);
   // Asks where a keyframe with these points was taken, and whether enough keyframes agree by now.
   void SearchInMap(const std::vector<Eigen::Vector2f>& points, LocalizationResult* result);
@@ -113,11 +115,14 @@ class Localizer {
   PlaceRecognizer recognizer_;
   SubmapTargets targets_;
   std::unique_ptr<Slam> odometry_;
+  double vote_translation_step_;  // [m] and [rad], how far apart scans are asked where they were taken.
+  double vote_rotation_step_;
+  std::optional<SE2> asked_at_;  // T_odom_base of the last one.
   LocalizationState state_ = LocalizationState::kNotYetLocated;
   SE2 T_map_odom_;
-  std::optional<SE2> initial_pose_;       // Until the first keyframe.
+  std::optional<SE2> initial_pose_;       // Until the first scan.
   std::deque<std::optional<SE2>> votes_;  // T_map_odom as the last keyframes had it, nothing where they did not tell.
-  int num_misses_ = 0;                    // Keyframes in a row that were not found in the map.
+  int num_misses_ = 0;                    // Scans in a row that were not found in the map.
   int num_odometry_misses_ = 0;           // Scans in a row that the odometry rejected.
 };
 
