@@ -8,98 +8,21 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <random>
 #include <string>
 #include <thread>
 #include <vector>
 
-#include "core/io/npz.h"
-#include "core/simulation/planar_orchard.h"
+#include "tests/apps/program_test.h"
 
 namespace arborslam {
 namespace {
 
-namespace fs = std::filesystem;
-
-std::string ReadFile(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-struct Outcome {
-  int exit_code = -1;
-  std::string out;
-  std::string err;
-};
-
-class SessionProgramTest : public testing::Test {
+class SessionProgramTest : public ProgramTest {
  protected:
-  void SetUp() override {
-    const testing::TestInfo* test = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(testing::TempDir()) /
-              ("session_program_test_" + std::string(test->name()) + "_" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-    WriteRecording("run.npz", 5);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  fs::path Path(const std::string& name) const { return folder_ / name; }
-
-  // Once around an orchard.
-  void WriteRecording(const std::string& name, int seed) const {
-    PlanarOrchardOptions options;
-    options.seed = seed;
-    options.rows = 3;
-    options.trees_per_row = 7;
-    options.lidar.beams = 449;
-    const PlanarOrchard orchard(options);
-    NpyArray scans{{orchard.NumScans(), 449}, {}};
-    NpyArray stamps{{orchard.NumScans()}, {}};
-    for (size_t i = 0; i < orchard.NumScans(); ++i) {
-      const LaserScan scan = orchard.Scan(i);
-      scans.values.insert(scans.values.end(), scan.ranges.begin(), scan.ranges.end());
-      stamps.values.push_back(scan.stamp);
-    }
-    WriteNpz(Path(name).string(), {{"scan0", scans}, {"time", stamps}});
-  }
-
-  // Runs a program in the test's folder by a shell; `before` goes in front of it.
-  Outcome Run(const std::string& program, const std::string& arguments, const std::string& before = "") const {
-    const std::string command = "cd '" + folder_.string() + "' && " + before + " '" ARBORSLAM_PROGRAM_DIR "/" +
-                                program + "' " + arguments + " >.stdout 2>.stderr";
-    const int status = std::system(command.c_str());
-    Outcome outcome;
-    if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
-    outcome.out = ReadFile(Path(".stdout"));
-    outcome.err = ReadFile(Path(".stderr"));
-    return outcome;
-  }
-
-  Outcome RunWell(const std::string& program, const std::string& arguments) const {
-    const Outcome outcome = Run(program, arguments);
-    EXPECT_EQ(outcome.exit_code, 0) << arguments << "\n" << outcome.err;
-    EXPECT_EQ(outcome.err, "") << arguments;
-    return outcome;
-  }
-
-  // The program fails with one line on stderr that holds all `parts`.
-  void ExpectError(const std::string& program, const std::string& arguments, int exit_code,
-                   const std::vector<std::string>& parts, const std::string& before = "") const {
-    SCOPED_TRACE(arguments);
-    const Outcome outcome = Run(program, arguments, before);
-    EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
-    EXPECT_EQ(outcome.err.rfind(program + ": error: ", 0), 0u) << outcome.err;
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
-    for (const std::string& part : parts) {
-      EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err << "lacks " << part;
-    }
-  }
-
   // Starts arborslam_offline and kills it after `milliseconds`, or lets it end before that.
   void KillAfter(int milliseconds, const std::string& output) const {
     const std::string input = Path("run.npz").string();
@@ -126,9 +49,6 @@ class SessionProgramTest : public testing::Test {
       EXPECT_TRUE(ReadFile(Path(a) / file) == ReadFile(Path(b) / file)) << file;
     }
   }
-
- private:
-  fs::path folder_;
 };
 
 TEST_F(SessionProgramTest, AKilledRunGoesOnToTheSameResults) {
@@ -169,7 +89,7 @@ TEST_F(SessionProgramTest, TellsWhyItDoesNotGoOn) {
               {"other.npz", "scan 1 is not the one", "part/session.db"});
   EXPECT_FALSE(fs::exists(Path("out/session.db")));
   ExpectError("arborslam_offline",
-              "--session part/session.db --input run.npz --output out --set tracker.rebuild_interval=3", 2,
+              "--session part/session.db --input run.npz --output out --set tracker.rebuild_distance=3", 2,
               {"part/session.db", "--set"});
   ExpectError("arborslam_offline", "--session none.db --input run.npz --output out", 1, {"none.db"});
   ExpectError("arborslam_offline", "--session part/map.png --input run.npz --output out", 1,
