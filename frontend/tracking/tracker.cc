@@ -60,6 +60,7 @@ std::string TrackerOptions::Validate() const {
   if (!(wide_score > 0.0)) return Violation("wide_score", wide_score, "be above 0 m");
   if (!(max_insert_score > 0.0)) return Violation("max_insert_score", max_insert_score, "be above 0 m");
   if (!(submap_length > 0.0)) return Violation("submap_length", submap_length, "be above 0 m");
+  if (!(rebuild_turn >= 0.0)) return Violation("rebuild_turn", rebuild_turn, "be at least 0 rad");
   if (!(rebuild_distance >= 0.0)) return Violation("rebuild_distance", rebuild_distance, "be at least 0 m");
   if (!(min_occupancy >= 0.5 && min_occupancy < 1.0)) {
     return Violation("min_occupancy", min_occupancy, "lie in [0.5, 1)");
@@ -143,7 +144,8 @@ bool Tracker::IsOutdated(const ActiveSubmap& submap, const SE2& T_submap_base, d
   // A young submap changes with every scan; later ones matter less and less.
   const size_t age = submap.keyframes.size() - submap.target_keyframes;
   if (age > std::min(kMaxTargetAge, submap.target_keyframes / 4)) return true;
-  return age > 0 && submap.length - submap.target_length >= options_.rebuild_distance;
+  return age > 0 && (submap.length - submap.target_length >= options_.rebuild_distance ||
+                     submap.turn - submap.target_turn >= options_.rebuild_turn);
 }
 
 void Tracker::BuildTarget(const SE2& T_submap_base, double reach, ActiveSubmap* submap) const {
@@ -151,6 +153,7 @@ void Tracker::BuildTarget(const SE2& T_submap_base, double reach, ActiveSubmap* 
   submap->target_reach = reach + kTargetMargin;
   submap->target_keyframes = submap->keyframes.size();
   submap->target_length = submap->length;
+  submap->target_turn = submap->turn;
   MakeTarget(submap);
 }
 
@@ -182,6 +185,7 @@ std::optional<Submap> Tracker::Insert(KeyframeId id, const PlanarScan& scan, con
     submap.keyframes.push_back(id);
     submap.inserted_at.push_back(T_submap_base);
     submap.length += (T_submap_base.translation() - submap.T_submap_last.translation()).norm();
+    submap.turn += std::abs(AngleDifference(T_submap_base.theta(), submap.T_submap_last.theta()));
     submap.T_submap_last = T_submap_base;
   }
   if (active_.front().length < options_.submap_length) return std::nullopt;

@@ -32,7 +32,8 @@ struct TrackerOptions {
   double wide_score = 0.10;        ///< [m], the second search is made when the first one's MHD is above this.
   double max_insert_score = 0.10;  ///< [m], a scan whose MHD is above this is spoilt: used, but not put into the maps.
   double submap_length = 60.0;     ///< [m] of path in a submap; a new one is begun every half of this.
-  double rebuild_distance = 1.0;   ///< [m] of path in a submap before its distance field is built anew.
+  double rebuild_distance = 1.0;   ///< [m] of path in a submap before its distance field is built anew,
+  double rebuild_turn = 0.3;       ///< [rad], or of turning.
   double min_occupancy = 0.55;     ///< A cell is matched to when its probability of being occupied reaches this.
   double keyframe_translation = 0.1;  ///< [m], a scan becomes a keyframe when the robot has moved this far,
   double keyframe_rotation = 0.05;    ///< [rad], or turned this far,
@@ -54,6 +55,7 @@ struct TrackerOptions {
     visit("max_insert_score", max_insert_score);
     visit("submap_length", submap_length);
     visit("rebuild_distance", rebuild_distance);
+    visit("rebuild_turn", rebuild_turn);
     visit("min_occupancy", min_occupancy);
     visit("keyframe_translation", keyframe_translation);
     visit("keyframe_rotation", keyframe_rotation);
@@ -146,12 +148,14 @@ class Tracker {
     double target_reach = 0.0;
     size_t target_keyframes = 0;
     double target_length = 0.0;  // `length` then.
+    double turn = 0.0;           // [rad] of the path.
+    double target_turn = 0.0;    // `turn` then.
 
     template <class Visitor>
     void VisitState(Visitor&& visit) {
       uint64_t num_in_target = target_keyframes;
       visit(id, T_odom_submap, keyframes, inserted_at, length, T_submap_last, target_center, target_reach,
-            num_in_target, target_length);
+            num_in_target, target_length, turn, target_turn);
       target_keyframes = static_cast<size_t>(num_in_target);
     }
   };

@@ -307,6 +307,7 @@ TEST(TrackerTest, ValidatesItsOptions) {
   EXPECT_TRUE(rejects([](TrackerOptions* o) { o->max_insert_score = -1.0; }, "max_insert_score"));
   EXPECT_TRUE(rejects([](TrackerOptions* o) { o->submap_length = 0.0; }, "submap_length"));
   EXPECT_TRUE(rejects([](TrackerOptions* o) { o->rebuild_distance = -0.1; }, "rebuild_distance"));
+  EXPECT_TRUE(rejects([](TrackerOptions* o) { o->rebuild_turn = -0.1; }, "rebuild_turn"));
   EXPECT_TRUE(rejects([](TrackerOptions* o) { o->min_occupancy = 1.0; }, "min_occupancy"));
   EXPECT_TRUE(rejects([](TrackerOptions* o) { o->keyframe_translation = -1.0; }, "keyframe_translation"));
   EXPECT_TRUE(rejects([](TrackerOptions* o) { o->keyframe_rotation = -1.0; }, "keyframe_rotation"));
