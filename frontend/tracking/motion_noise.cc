@@ -16,7 +16,7 @@ const Eigen::Vector3d kLeast(0.02, 0.02, 0.01);
 // Errors of successive predictions are not independent: a braking robot errs to the same side all the time.
 constexpr double kSafety = 2.0;
 constexpr double kBiasShare = 0.2;  // Of the latest error, in the mean of the last few.
-constexpr double kBiasWeight = 2.0;
+constexpr double kBiasWeight = 4.0;
 // [m] and [rad], the least step of a robot that moves.
 constexpr double kMinStep = 0.02;
 constexpr double kMinTurn = 0.01;
