@@ -33,7 +33,7 @@ struct TrackerOptions {
   double max_insert_score = 0.10;  ///< [m], a scan whose MHD is above this is spoilt: used, but not put into the maps.
   double submap_length = 60.0;     ///< [m] of path in a submap; a new one is begun every half of this.
   double rebuild_distance = 1.0;   ///< [m] of path in a submap before its distance field is built anew,
-  double rebuild_turn = 0.3;       ///< [rad], or of turning.
+  double rebuild_turn = 1.0;       ///< [rad], or of turning.
   double min_occupancy = 0.55;     ///< A cell is matched to when its probability of being occupied reaches this.
   double keyframe_translation = 0.1;  ///< [m], a scan becomes a keyframe when the robot has moved this far,
   double keyframe_rotation = 0.05;    ///< [rad], or turned this far,
