@@ -16,9 +16,7 @@ Trajectory TrajectoryOf(const PoseGraph& graph, const std::vector<PosedScan>& sc
 Trajectory3 Trajectory3Of(const PoseGraph& graph, const std::vector<PosedScan>& scans) {
   Trajectory3 trajectory;
   for (const PosedScan& scan : scans) {
-    const Eigen::Isometry3d T_map_lidar = Lift(graph.Pose(scan.keyframe) * scan.T_keyframe_scan, scan.tilt);
-    trajectory.poses.push_back(
-        {scan.stamp, T_map_lidar.translation(), Eigen::Quaterniond(T_map_lidar.linear()).normalized()});
+    trajectory.poses.push_back(Lifted({scan.stamp, graph.Pose(scan.keyframe) * scan.T_keyframe_scan}, scan.tilt));
   }
   return trajectory;
 }

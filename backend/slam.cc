@@ -20,10 +20,6 @@ namespace {
 // keyframe that begins it: a tenth of a millimetre.
 constexpr double kAnchorInformation = 1e8;
 
-// [m/s^2, rad/s^2], standard deviations of how a robot may change its motion at any time.
-constexpr double kLinearAcceleration = 2.0;
-constexpr double kAngularAcceleration = 2.0;
-
 // The mean of a prediction with standard deviations `sigma` [m, m, rad] and of the match, each counting as it knows.
 SE2 Fuse(const SE2& prediction, const Eigen::Vector3d& sigma, const MatchResult& match) {
   if (!IsUsable(match.verdict)) return prediction;
@@ -200,18 +196,8 @@ SE2 Slam::Predict(double stamp) const {
 }
 
 Eigen::Vector3d Slam::PredictionSigma(double stamp) const {
-  const MotionOptions& options = options_.motion;
-  const Eigen::Vector3d most(options.translation_sigma, options.translation_sigma, options.rotation_sigma);
-  if (!options.learn_sigma || scans_.size() < 2) return most;
-  const double last = scans_.back().stamp;
-  const double previous = scans_[scans_.size() - 2].stamp;
-  if (!CanExtrapolate(previous, last, stamp, options)) return most;
-  // After a longer step predictions err by more. And however steadily a robot went so far, it can turn off or brake by
-  // as much as its inertia allows: much in a second, hardly anything in a tenth of one.
-  const double step = stamp - last;
-  const double stretch = std::max(1.0, step / (last - previous));
-  const Eigen::Vector3d inertia(kLinearAcceleration, kLinearAcceleration, kAngularAcceleration);
-  return (stretch * motion_noise_.sigma()).cwiseMax(0.5 * step * step * inertia).cwiseMin(most);
+  if (scans_.size() < 2) return options_.motion.GreatestSigma();
+  return motion_noise_.SigmaAt(scans_[scans_.size() - 2].stamp, scans_.back().stamp, stamp);
 }
 
 PlanarVelocity Slam::Velocity() const {
@@ -247,9 +233,7 @@ SE2 Slam::Smooth(const PlanarScan& scan, const SE2& prediction, const Eigen::Vec
     // It was derived from earlier matches. Over the whole run these say more once they are corrected by later ones, and
     // the motion counts only where the match leaves something open.
     if (tracked.match.verdict == MatchVerdict::kAccepted) {
-      const MotionOptions& options = options_.motion;
-      motion.information =
-          MotionInformation({options.translation_sigma, options.translation_sigma, options.rotation_sigma});
+      motion.information = MotionInformation(options_.motion.GreatestSigma());
     }
     graph_.AddConstraint(motion);
   }

@@ -10,12 +10,13 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <tuple>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "apps/common/error_json.h"
+#include "apps/common/output_folder.h"
 #include "apps/common/program.h"
 #include "apps/common/progress_bar.h"
 #include "apps/common/version.h"
@@ -25,7 +26,6 @@
 #include "core/config/config_schema.h"
 #include "core/error.h"
 #include "core/evaluation/trajectory_metrics.h"
-#include "core/geometry/tilt.h"
 #include "core/io/atomic_file.h"
 #include "core/io/scan_source.h"
 #include "core/io/trajectory_io.h"
@@ -92,27 +92,6 @@ std::optional<SE2> InitialPose() {
   return SE2(x, y, theta);
 }
 
-// The output folder, made and proved to be writable before the work.
-std::filesystem::path PrepareOutput() {
-  const std::filesystem::path folder(FLAGS_output);
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (!std::filesystem::is_directory(folder)) {
-    const std::string reason = error ? " (" + error.message() + ")" : "";
-    throw UserError(FLAGS_output, "cannot be made a folder" + reason, "choose another --output");
-  }
-  for (const char* name : {"trajectory.tum", "summary.json"}) {
-    const std::filesystem::path result = folder / name;
-    for (const std::string& input : {FLAGS_session, FLAGS_input, FLAGS_ground_truth}) {
-      if (!input.empty() && std::filesystem::equivalent(input, result, error)) {
-        throw UserError(input, "would be overwritten by the result of that name", "choose another --output");
-      }
-    }
-    AtomicFile writable(result.string());
-  }
-  return folder;
-}
-
 // What summary.json and the last lines tell.
 struct Figures {
   size_t num_scans = 0;
@@ -164,14 +143,7 @@ std::string SummaryJson(const std::vector<LocalizationResult>& results, const Fi
                       {"inlier_ratio", result.match.inlier_ratio}});
   }
   summary["jumps"] = jumps;
-  if (figures.errors) {
-    Json errors{{"alignment", ToString(AlignmentKind::kSe2)}};
-    for (const MetricField& field : MetricFields()) {
-      const std::optional<double> value = field.value(*figures.errors);
-      if (value) errors[field.key] = *value;
-    }
-    summary["errors"] = errors;
-  }
+  if (figures.errors) summary["errors"] = ErrorsJson(AlignmentKind::kSe2, *figures.errors);
   summary["states"] = states;
   // Names of files may be of any bytes, JSON may not.
   return summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -223,9 +195,7 @@ Trajectory3 LocatedTrajectory(const std::vector<LocalizationResult>& results) {
   Trajectory3 trajectory;
   for (const LocalizationResult& result : results) {
     if (result.state != LocalizationState::kLocated || result.odometry.status == ScanStatus::kSkipped) continue;
-    const Eigen::Isometry3d T_map_lidar = Lift(result.T_map_base, result.odometry.tilt);
-    trajectory.poses.push_back(
-        {result.odometry.stamp, T_map_lidar.translation(), Eigen::Quaterniond(T_map_lidar.linear()).normalized()});
+    trajectory.poses.push_back(Lifted({result.odometry.stamp, result.T_map_base}, result.odometry.tilt));
   }
   return trajectory;
 }
@@ -252,7 +222,8 @@ int Run(const MultiFlags& multi_flags) {
   std::optional<Trajectory3> reference;
   if (!FLAGS_ground_truth.empty()) reference = ReadTrajectory(FLAGS_ground_truth);
   const std::unique_ptr<ScanSource> source = OpenScanSource(FLAGS_input, options.input);
-  const std::filesystem::path folder = PrepareOutput();
+  const std::filesystem::path folder = PrepareOutputFolder(FLAGS_output, {"trajectory.tum", "summary.json"},
+                                                           {FLAGS_session, FLAGS_input, FLAGS_ground_truth});
   if (!FLAGS_quiet) {
     for (const std::string& notice : source->Notices()) std::cerr << "note: " << notice << "\n";
   }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "apps/common/error_json.h"
 #include "apps/common/version.h"
 #include "apps/offline/html_text.h"
 #include "apps/offline/run_figures.h"
@@ -23,14 +24,7 @@ std::string ShortNumber(double value) {
   return text;
 }
 
-Json Errors(const TrajectoryEvaluation& evaluation) {
-  Json errors{{"alignment", ToString(evaluation.alignment)}};
-  for (const MetricField& field : MetricFields()) {
-    const std::optional<double> value = field.value(evaluation.metrics);
-    if (value) errors[field.key] = *value;
-  }
-  return errors;
-}
+Json Errors(const TrajectoryEvaluation& evaluation) { return ErrorsJson(evaluation.alignment, evaluation.metrics); }
 
 const char* StartText(const SmoothedGraph& smoothed) {
   return smoothed.started_from_edges ? "the edges, orientations first" : "the vertices as given";

@@ -18,6 +18,7 @@
 #include <variant>
 #include <vector>
 
+#include "apps/common/output_folder.h"
 #include "apps/common/program.h"
 #include "apps/common/progress_bar.h"
 #include "apps/offline/cloud.h"
@@ -97,7 +98,7 @@ constexpr int kExitSignalled = 128;
 
 constexpr char kCloudFile[] = "cloud.ply";
 constexpr char kSessionFile[] = "session.db";
-constexpr std::array<const char*, 11> kResultFiles = {"trajectory.tum",
+constexpr std::array<const char*, 12> kResultFiles = {"trajectory.tum",
                                                       "odometry.tum",
                                                       "map.yaml",
                                                       "map.pgm",
@@ -107,7 +108,8 @@ constexpr std::array<const char*, 11> kResultFiles = {"trajectory.tum",
                                                       "graph.png",
                                                       "summary.json",
                                                       "report.html",
-                                                      "effective_config.yaml"};
+                                                      "effective_config.yaml",
+                                                      kSessionFile};
 
 // The signal that asks for an early end, or 0. A handler can reach nothing else.
 volatile std::sig_atomic_t g_signal = 0;
@@ -134,35 +136,12 @@ int NumThreads() {
   return FLAGS_threads > 0 ? std::min(FLAGS_threads, available) : available;
 }
 
-// The output folder, made and proved to be writable before hours of work.
 std::filesystem::path PrepareOutput() {
-  const std::filesystem::path folder(FLAGS_output);
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (!std::filesystem::is_directory(folder)) {
-    const std::string reason = error ? " (" + error.message() + ")" : "";
-    throw UserError(FLAGS_output, "cannot be made a folder" + reason, "choose another --output");
-  }
-  for (const char* name : kResultFiles) {
-    const std::filesystem::path result = folder / name;
-    for (const std::string& input : {FLAGS_input, FLAGS_ground_truth}) {
-      if (!input.empty() && std::filesystem::equivalent(input, result, error)) {
-        throw UserError(input, "would be overwritten by the result of that name", "choose another --output");
-      }
-    }
-    AtomicFile writable(result.string());
-  }
-  std::error_code ignored;
-  if (std::filesystem::equivalent(FLAGS_input, folder / kSessionFile, ignored)) {
-    throw UserError(FLAGS_input, "would be overwritten by the result of that name", "choose another --output");
-  }
-  return folder;
+  return PrepareOutputFolder(FLAGS_output, {kResultFiles.begin(), kResultFiles.end()},
+                             {FLAGS_input, FLAGS_ground_truth});
 }
 
-StampedPose3 ToStampedPose3(const ScanResult& result) {
-  const Eigen::Isometry3d T_odom_lidar = Lift(result.T_odom_base, result.tilt);
-  return {result.stamp, T_odom_lidar.translation(), Eigen::Quaterniond(T_odom_lidar.linear()).normalized()};
-}
+StampedPose3 CausalPose(const ScanResult& result) { return Lifted({result.stamp, result.T_odom_base}, result.tilt); }
 
 // Passes over the scans that the session `read` holds, which must be those of the recording; fills the record's scans
 // and the causal trajectory with what it says of them. True if the scans are in space.
@@ -187,7 +166,7 @@ bool SkipTracked(ScanSource* source, const std::vector<SessionContents::ReadScan
           "give the recording that the session was made from; another one needs a session of its own");
     }
     record->scans.push_back(read[i].result);
-    if (read[i].result.status != ScanStatus::kSkipped) odometry->poses.push_back(ToStampedPose3(read[i].result));
+    if (read[i].result.status != ScanStatus::kSkipped) odometry->poses.push_back(CausalPose(read[i].result));
   }
   return has_sweeps;
 }
@@ -224,7 +203,7 @@ bool Track(ScanSource* source, Slam* slam, SessionWriter* session, RunRecord* re
     record->scans.push_back(std::visit([slam](const auto& any) { return slam->AddScan(any); }, *scan));
     const ScanResult& result = record->scans.back();
     session->Add(FingerprintOf(*scan), result, *slam);
-    if (result.status != ScanStatus::kSkipped) odometry->poses.push_back(ToStampedPose3(result));
+    if (result.status != ScanStatus::kSkipped) odometry->poses.push_back(CausalPose(result));
     progress.Update(record->scans.size());
   }
   record->is_interrupted = g_signal != 0;

@@ -4,6 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "apps/common/error_json.h"
 #include "apps/common/version.h"
 #include "apps/offline/run_figures.h"
 
@@ -17,14 +18,7 @@ Json Stage(const std::vector<double>& times_ms) {
       {"median", Percentile(times_ms, 0.5)}, {"p95", Percentile(times_ms, 0.95)}, {"max", Percentile(times_ms, 1.0)}};
 }
 
-Json Errors(const TrajectoryEvaluation& evaluation) {
-  Json errors{{"alignment", ToString(evaluation.alignment)}};
-  for (const MetricField& field : MetricFields()) {
-    const std::optional<double> value = field.value(evaluation.metrics);
-    if (value) errors[field.key] = *value;
-  }
-  return errors;
-}
+Json Errors(const TrajectoryEvaluation& evaluation) { return ErrorsJson(evaluation.alignment, evaluation.metrics); }
 
 Json Optimization(const PoseGraphSummary& summary) {
   return {{"initial_cost", summary.initial_cost},

@@ -1,7 +1,7 @@
 #include <filesystem>
 #include <iostream>
-#include <system_error>
 
+#include "apps/common/output_folder.h"
 #include "apps/offline/graph_export.h"
 #include "apps/offline/map_picture.h"
 #include "apps/session/commands.h"
@@ -19,13 +19,8 @@ int SessionExport(const std::string& path, const std::string& folder_name) {
   const LoadedSession session = LoadSession(path);
   const SessionContents& contents = session.contents;
   if (contents.keyframes.empty()) throw UserError(path, "holds no keyframes yet", "nothing was written");
-  const std::filesystem::path folder(folder_name);
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (!std::filesystem::is_directory(folder)) {
-    throw UserError(folder_name, "cannot be made a folder" + (error ? " (" + error.message() + ")" : ""),
-                    "choose another --output");
-  }
+  const std::filesystem::path folder =
+      PrepareOutputFolder(folder_name, {"trajectory.tum", "graph.g2o", "map.yaml", "map.pgm", "map.png"}, {path});
   // A lidar in the plane is fine enough for the map that people look at; sweeps' finer one needs the recording.
   OccupancyGridOptions grid = session.options.slam.grid;
   if (contents.keyframes.front().scan.point_rays_are_free && session.options.map.resolution > 0.0) {

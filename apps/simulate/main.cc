@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/common/output_folder.h"
 #include "apps/common/program.h"
 #include "apps/common/progress_bar.h"
 #include "apps/simulate/recording.h"
@@ -105,15 +106,6 @@ void Configure(const std::vector<std::string>& overrides, ConfigSchema* schema) 
   schema->ValidateAll();
 }
 
-void MakeFolder(const std::string& path) {
-  std::error_code error;
-  std::filesystem::create_directories(path, error);
-  if (!std::filesystem::is_directory(path)) {
-    const std::string reason = error ? " (" + error.message() + ")" : "";
-    throw UserError(path, "cannot be made a folder" + reason, "choose another --output");
-  }
-}
-
 // The scans in the layout of the Pullally recordings.
 std::map<std::string, NpyArray> Record(const PlanarOrchard& orchard, size_t num_beams) {
   NpyArray ranges{{orchard.NumScans(), num_beams}, {}};
@@ -144,7 +136,7 @@ int RunPlanarOrchard(const std::vector<std::string>& overrides) {
                     "ask for fewer scans or beams");
   }
 
-  MakeFolder(FLAGS_output);
+  MakeOutputFolder(FLAGS_output);
   const std::filesystem::path folder(FLAGS_output);
   WriteNpz((folder / "scans.npz").string(), Record(orchard, static_cast<size_t>(options.lidar.beams)));
   WriteTum((folder / "ground_truth.tum").string(), orchard.GroundTruth());
@@ -165,7 +157,7 @@ int RunInSpace(const std::vector<std::string>& overrides, Scene (*make_scene)(co
   schema.AddSection(FLAGS_scenario, &options);
   Configure(overrides, &schema);
   const SimulatedRun run(options.run, make_scene(options));
-  MakeFolder(FLAGS_output);
+  MakeOutputFolder(FLAGS_output);
   const std::filesystem::path folder(FLAGS_output);
   ProgressBar progress(std::cerr, run.NumScans(), StderrIsTerminal() && !FLAGS_quiet);
   const SweepFormat format = FLAGS_format == "pcd" ? SweepFormat::kPcd : SweepFormat::kBin;

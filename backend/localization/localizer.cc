@@ -21,11 +21,6 @@ constexpr double kMaxSubmapDistance = 10.0;
 // Scans in a row that the odometry may reject before it is begun anew.
 constexpr int kMaxOdometryMisses = 3;
 
-bool Agree(const SE2& a, const SE2& b, double translation, double rotation) {
-  return (a.translation() - b.translation()).norm() <= translation &&
-         std::abs(AngleDifference(a.theta(), b.theta())) <= rotation;
-}
-
 // Every scan is looked for in the map, also when the odometry takes the robot to stand, which may be wrong.
 SlamOptions EveryScanAKeyframe(SlamOptions options) {
   options.tracker.keyframe_translation = 0.0;
@@ -128,7 +123,8 @@ void Localizer::TrackInMap(const std::vector<Eigen::Vector2f>& points, Localizat
   result->match =
       MatchInMap(points, prediction, is_sure ? options_.search_translation : place_options_.search_translation,
                  is_sure ? options_.search_rotation : place_options_.search_rotation);
-  if (IsFound(result->match)) {
+  result->reason = RefusalReason(result->match, options_.max_score, options_.min_overlap);
+  if (result->reason.empty()) {
     result->is_measured = true;
     result->T_map_base = result->match.pose;
     const double step = (result->match.pose.translation() - prediction.translation()).norm();
@@ -137,9 +133,6 @@ void Localizer::TrackInMap(const std::vector<Eigen::Vector2f>& points, Localizat
     num_misses_ = 0;
     return;
   }
-  result->reason = !IsUsable(result->match.verdict)           ? ToString(result->match.verdict)
-                   : result->match.score > options_.max_score ? "score"
-                                                              : "overlap";
   // Found neither in the map nor beside its last scans, the robot is elsewhere.
   if (++num_misses_ < options_.max_misses && num_odometry_misses_ < kMaxBlindScans) return;
   state_ = LocalizationState::kLost;
@@ -173,7 +166,7 @@ void Localizer::SearchInMap(const std::vector<Eigen::Vector2f>& points, Localiza
     if (!other) continue;
     // Where both place the robot now.
     const bool agrees =
-        Agree(*other * T_odom_base, *vote * T_odom_base, options_.vote_translation, options_.vote_rotation);
+        AreClose(*other * T_odom_base, *vote * T_odom_base, options_.vote_translation, options_.vote_rotation);
     ++(agrees ? num_agreeing : num_other);
   }
   if (num_agreeing < options_.min_votes || num_agreeing <= 2 * num_other) {
@@ -227,7 +220,7 @@ std::vector<size_t> Localizer::SubmapsAround(const SE2& T_map_base) const {
 }
 
 bool Localizer::IsFound(const MatchResult& match) const {
-  return IsUsable(match.verdict) && match.score <= options_.max_score && match.inlier_ratio >= options_.min_overlap;
+  return RefusalReason(match, options_.max_score, options_.min_overlap).empty();
 }
 
 void Localizer::RestartOdometry() {

@@ -177,17 +177,11 @@ void LoopCloser::Judge(const MatchTarget& target, const std::vector<Eigen::Vecto
   const double rotation = candidate->search_rotation;
   const SearchWindow window{candidate->search_translation, rotation, 0.01, {}};
   candidate->match = matcher_.Match(target, points, prediction, window);
-  if (!IsUsable(candidate->match.verdict)) {
-    candidate->reason = ToString(candidate->match.verdict);
-  } else if (candidate->match.score > options_.max_score) {
-    candidate->reason = "score";
-  } else if (candidate->match.inlier_ratio < options_.min_overlap) {
-    candidate->reason = "overlap";
-  } else if (const std::optional<double> rival = matcher_.FindRival(
-                 target, points, candidate->match, SearchWindow{options_.rival_translation, rotation, 0.02, {}})) {
-    candidate->match.second_score = *rival;
-    candidate->match.verdict = MatchVerdict::kAmbiguous;
-    candidate->reason = ToString(candidate->match.verdict);
+  candidate->reason = RefusalReason(candidate->match, options_.max_score, options_.min_overlap);
+  if (candidate->reason.empty()) {
+    matcher_.CheckUniqueness(target, points, SearchWindow{options_.rival_translation, rotation, 0.02, {}},
+                             &candidate->match);
+    candidate->reason = RefusalReason(candidate->match, options_.max_score, options_.min_overlap);
   }
   candidate->accepted = candidate->reason.empty();
 }

@@ -17,11 +17,6 @@ constexpr size_t kNumPreselected = 400;
 constexpr double kSamePlaceTranslation = 0.5;  // [m]
 constexpr double kSamePlaceRotation = 0.1;     // [rad]
 
-bool IsSamePlace(const SE2& a, const SE2& b, double translation, double rotation) {
-  return (a.translation() - b.translation()).norm() < translation &&
-         std::abs(AngleDifference(a.theta(), b.theta())) < rotation;
-}
-
 // For each keyframe the submap that it is a member of, if any; of several the one whose ends are farther away.
 std::vector<std::optional<size_t>> HomeSubmaps(size_t num_keyframes, const std::vector<Submap>& submaps) {
   std::vector<std::optional<size_t>> homes(num_keyframes);
@@ -129,8 +124,8 @@ std::vector<PlaceCandidate> PlaceRecognizer::FindAlike(const PlaceDescriptor& qu
     if (kept.size() == static_cast<size_t>(options_.num_candidates)) break;
     const bool is_covered = std::any_of(kept.begin(), kept.end(), [&](const PlaceCandidate& other) {
       return other.submap_index == candidate.submap_index &&
-             IsSamePlace(other.T_map_base, candidate.T_map_base, 0.5 * options_.search_translation,
-                         0.75 * options_.search_rotation);
+             AreClose(other.T_map_base, candidate.T_map_base, 0.5 * options_.search_translation,
+                      0.75 * options_.search_rotation);
     });
     if (!is_covered) kept.push_back(std::move(candidate));
   }
@@ -164,25 +159,18 @@ PlaceRecognition PlaceRecognizer::Recognize(const std::vector<Eigen::Vector2f>& 
   PlaceCandidate& winner = result.candidates[*best];
   for (const PlaceCandidate& other : result.candidates) {
     if (!IsUsable(other.match.verdict) || other.match.score * max_second_ratio_ >= winner.match.score) continue;
-    if (IsSamePlace(other.T_map_base, winner.T_map_base, kSamePlaceTranslation, kSamePlaceRotation)) continue;
+    if (AreClose(other.T_map_base, winner.T_map_base, kSamePlaceTranslation, kSamePlaceRotation)) continue;
     winner.match.verdict = MatchVerdict::kAmbiguous;
     winner.match.second_score = other.match.score;
   }
-  if (winner.match.verdict == MatchVerdict::kDegenerate || winner.match.verdict == MatchVerdict::kAmbiguous) {
-    result.reason = ToString(winner.match.verdict);
-  } else if (winner.match.score > options_.max_score) {
-    result.reason = "score";
-  } else if (winner.match.inlier_ratio < options_.min_overlap) {
-    result.reason = "overlap";
-  } else {
-    const std::optional<double> rival =
-        matcher_.FindRival(targets->Get(winner.submap_index), points, winner.match,
-                           SearchWindow{options_.rival_translation, options_.search_rotation, 0.02, {}});
-    if (rival) {
-      winner.match.verdict = MatchVerdict::kAmbiguous;
-      winner.match.second_score = *rival;
-      result.reason = ToString(winner.match.verdict);
-    }
+  result.reason = winner.match.verdict == MatchVerdict::kDegenerate
+                      ? ToString(winner.match.verdict)
+                      : RefusalReason(winner.match, options_.max_score, options_.min_overlap);
+  if (result.reason.empty()) {
+    matcher_.CheckUniqueness(targets->Get(winner.submap_index), points,
+                             SearchWindow{options_.rival_translation, options_.search_rotation, 0.02, {}},
+                             &winner.match);
+    result.reason = RefusalReason(winner.match, options_.max_score, options_.min_overlap);
   }
   if (result.reason.empty()) result.best = best;
   return result;

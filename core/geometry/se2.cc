@@ -28,6 +28,11 @@ bool SE2::IsApprox(const SE2& other, double tolerance) const {
          std::abs(AngleDifference(theta_, other.theta_)) <= tolerance;
 }
 
+bool AreClose(const SE2& a, const SE2& b, double translation, double rotation) {
+  return (a.translation() - b.translation()).norm() <= translation &&
+         std::abs(AngleDifference(a.theta(), b.theta())) <= rotation;
+}
+
 SE2 Interpolate(const SE2& a, const SE2& b, double t) {
   const Eigen::Vector2d translation = (1.0 - t) * a.translation() + t * b.translation();
   return SE2(translation.x(), translation.y(), a.theta() + t * AngleDifference(b.theta(), a.theta()));

@@ -47,6 +47,9 @@ class SE2 {
   double sin_ = 0.0;
 };
 
+/// True if two poses lie no more than `translation` [m] apart and are turned by no more than `rotation` [rad].
+bool AreClose(const SE2& a, const SE2& b, double translation, double rotation);
+
 /// The pose a fraction `t` in [0, 1] of the way from `a` to `b`: straight line, constant rotation rate.
 SE2 Interpolate(const SE2& a, const SE2& b, double t);
 

@@ -14,6 +14,11 @@ Trajectory3 ToTrajectory3(const Trajectory& trajectory) {
   return lifted;
 }
 
+StampedPose3 Lifted(const StampedPose& pose, const Tilt3& tilt) {
+  const Eigen::Isometry3d T_map_lidar = Lift(pose.pose, tilt);
+  return {pose.stamp, T_map_lidar.translation(), Eigen::Quaterniond(T_map_lidar.linear()).normalized()};
+}
+
 Trajectory ToPlanar(const Trajectory3& trajectory) {
   Trajectory planar;
   planar.reserve(trajectory.poses.size());

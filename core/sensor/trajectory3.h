@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
+#include "core/geometry/tilt.h"
 #include "core/sensor/stamped_pose.h"
 
 namespace arborslam {
@@ -25,6 +26,9 @@ struct Trajectory3 {
 
 /// The planar poses lifted to z = 0 with yaw alone.
 Trajectory3 ToTrajectory3(const Trajectory& trajectory);
+
+/// The pose in space, T_map_lidar, of a planar one, T_map_base, with a lidar that has `tilt`.
+StampedPose3 Lifted(const StampedPose& pose, const Tilt3& tilt);
 
 /// The poses seen from above: x, y and the yaw of the base's x axis; 0 where there is no orientation.
 Trajectory ToPlanar(const Trajectory3& trajectory);

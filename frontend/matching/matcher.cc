@@ -56,17 +56,23 @@ const char* ToString(MatchVerdict verdict) {
   return "unknown";
 }
 
+std::string RefusalReason(const MatchResult& match, double max_score, double min_overlap) {
+  if (!IsUsable(match.verdict)) return ToString(match.verdict);
+  if (match.score > max_score) return "score";
+  if (match.inlier_ratio < min_overlap) return "overlap";
+  return "";
+}
+
 Matcher::Matcher(const MatcherOptions& options, const MhdOptions& mhd, const RefinementOptions& refinement)
     : options_(options), mhd_(mhd), refinement_(refinement) {}
 
 MatchResult Matcher::Match(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& prediction,
-                           const SearchWindow& window, bool check_uniqueness) const {
-  return MatchBetter(target, points, prediction, window, std::numeric_limits<double>::infinity(), check_uniqueness);
+                           const SearchWindow& window) const {
+  return MatchBetter(target, points, prediction, window, std::numeric_limits<double>::infinity());
 }
 
 MatchResult Matcher::MatchBetter(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,
-                                 const SE2& prediction, const SearchWindow& window, double max_cost,
-                                 bool check_uniqueness) const {
+                                 const SE2& prediction, const SearchWindow& window, double max_cost) const {
   MatchResult result;
   result.pose = prediction;
   result.num_points = static_cast<int>(points.size());
@@ -74,9 +80,7 @@ MatchResult Matcher::MatchBetter(const MatchTarget& target, const std::vector<Ei
   result.cost = options_.max_distance;
   if (result.num_points < options_.min_points || target.empty()) return result;
 
-  // To compare modes takes a finer sample than to find one.
-  const std::vector<Eigen::Vector2f> sample =
-      Subsample(points, (check_uniqueness ? 2 : 1) * options_.max_search_points);
+  const std::vector<Eigen::Vector2f> sample = Subsample(points, options_.max_search_points);
   const std::optional<SearchResult> found = BranchAndBound(target, sample, prediction, window, mhd_, max_cost);
   if (!found) {
     result.verdict = MatchVerdict::kPoor;
@@ -85,36 +89,24 @@ MatchResult Matcher::MatchBetter(const MatchTarget& target, const std::vector<Ei
   result = RefineAndJudge(target, points, found->pose, prediction);
   result.cost = result.score + PenaltyOf(result.pose, prediction, window.penalty);
   result.num_scored = found->num_scored;
-  if (check_uniqueness && IsUsable(result.verdict)) {
-    const std::optional<SearchResult> second =
-        BranchAndBound(target, sample, prediction, window, mhd_, RivalLimit(target, found->cost),
-                       Exclusion{found->pose, kModeTranslation, kModeRotation});
-    if (second) {
-      result.verdict = MatchVerdict::kAmbiguous;
-      result.second_score = second->cost;
-      result.num_scored += second->num_scored;
-    }
-  }
   return result;
 }
 
-std::optional<double> Matcher::FindRival(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,
-                                         const MatchResult& match, const SearchWindow& window) const {
+void Matcher::CheckUniqueness(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,
+                              const SearchWindow& window, MatchResult* match) const {
+  // To compare modes takes a finer sample than to find one.
   const std::vector<Eigen::Vector2f> sample = Subsample(points, 2 * options_.max_search_points);
   const std::optional<SearchResult> best =
-      BranchAndBound(target, sample, match.pose, kGridWindow, mhd_, std::numeric_limits<double>::infinity());
-  if (!best) return std::nullopt;
-  const std::optional<SearchResult> rival =
-      BranchAndBound(target, sample, match.pose, window, mhd_, RivalLimit(target, best->cost),
-                     Exclusion{match.pose, kModeTranslation, kModeRotation});
-  if (!rival) return std::nullopt;
-  return rival->cost;
-}
-
-double Matcher::RivalLimit(const MatchTarget& target, double cost) const {
+      BranchAndBound(target, sample, match->pose, kGridWindow, mhd_, std::numeric_limits<double>::infinity());
+  if (!best) return;
   // The search tells costs apart by quantisation steps: a perfect one, 0, must not rule out its equals.
   const double step = static_cast<double>(target.field().max_distance()) / MinPyramid::kNumSteps;
-  return std::max(cost, step) / options_.max_second_ratio;
+  const double limit = std::max(best->cost, step) / options_.max_second_ratio;
+  const std::optional<SearchResult> rival = BranchAndBound(target, sample, match->pose, window, mhd_, limit,
+                                                           Exclusion{match->pose, kModeTranslation, kModeRotation});
+  if (!rival) return;
+  match->verdict = MatchVerdict::kAmbiguous;
+  match->second_score = rival->cost;
 }
 
 MatchResult Matcher::MatchNear(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,

@@ -2,7 +2,6 @@
 #define ARBORSLAM_FRONTEND_MATCHING_MATCHER_H_
 
 #include <Eigen/Core>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -70,26 +69,29 @@ struct MatchResult {
   }
 };
 
+/// Why a match does not count: its verdict unless it is usable, "score" if that exceeds `max_score` [m], "overlap" if
+/// less than `min_overlap` of the points meet the map; empty if it counts.
+std::string RefusalReason(const MatchResult& match, double max_score, double min_overlap);
+
 /// Scan to map by exhaustive-equivalent search and continuous refinement (design section 3, step 6).
 class Matcher {
  public:
   Matcher(const MatcherOptions& options, const MhdOptions& mhd, const RefinementOptions& refinement);
 
-  /// Searches `window` around `prediction` (T_target_base), then refines. With `check_uniqueness`, the search is
-  /// repeated without the neighbourhood of its winner to see whether a second pose is nearly as good.
+  /// Searches `window` around `prediction` (T_target_base), then refines.
   MatchResult Match(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& prediction,
-                    const SearchWindow& window, bool check_uniqueness = false) const;
+                    const SearchWindow& window) const;
 
   /// The same for a search that is only of use if it finds something that costs less than `max_cost` [m]; `kPoor`, with
   /// a score of D_max, when it does not.
   MatchResult MatchBetter(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& prediction,
-                          const SearchWindow& window, double max_cost, bool check_uniqueness = false) const;
+                          const SearchWindow& window, double max_cost) const;
 
-  /// How good another pose is that may be taken for a match: the cost [m] of the best pose in `window` around
-  /// `match.pose`, of another mode, if it is low enough to make the match ambiguous; nothing if there is none. The
-  /// window may be wider than the one that the match was found in: a tree or a row farther on things may look the same.
-  std::optional<double> FindRival(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,
-                                  const MatchResult& match, const SearchWindow& window) const;
+  /// Searches `window` around `match->pose`, without the neighbourhood of that, for a pose that fits nearly as well. If
+  /// there is one, the match becomes ambiguous and its second score is that pose's cost [m]. The window may be wider
+  /// than the one that the match was found in: a tree or a row farther on things may look the same.
+  void CheckUniqueness(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,
+                       const SearchWindow& window, MatchResult* match) const;
 
   /// Refines from `initial` without a search.
   MatchResult MatchNear(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,
@@ -98,8 +100,6 @@ class Matcher {
  private:
   MatchResult RefineAndJudge(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& initial,
                              const SE2& prediction) const;
-  // Another mode that costs less than this [m] makes a pose ambiguous that costs `cost`.
-  double RivalLimit(const MatchTarget& target, double cost) const;
 
   MatcherOptions options_;
   MhdOptions mhd_;

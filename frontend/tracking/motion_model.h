@@ -19,6 +19,9 @@ struct MotionOptions {
   double rotation_sigma = 1.0;     ///< [rad], the greatest standard deviation of a predicted step's turn.
   bool learn_sigma = true;         ///< Find out how far predictions really err; false: as far as that.
 
+  /// [m, m, rad], of a prediction of which nothing better is known.
+  Eigen::Vector3d GreatestSigma() const { return {translation_sigma, translation_sigma, rotation_sigma}; }
+
   std::string Validate() const;
 
   template <class Visitor>

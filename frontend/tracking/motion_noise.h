@@ -30,13 +30,18 @@ class MotionNoise {
   /// More than usual while predictions err to the same side again and again, as they do when the robot brakes.
   Eigen::Vector3d sigma() const;
 
+  /// The same of a prediction for `stamp` [s] from scans at `previous` and `last` [s]: more after a longer step, and
+  /// never less than what inertia lets a robot do that went steadily so far: it can turn off or brake by much within a
+  /// second, by hardly anything within a tenth of one. The greatest where nothing is learned or predicted.
+  Eigen::Vector3d SigmaAt(double previous, double last, double stamp) const;
+
   template <class Visitor>
   void VisitState(Visitor&& visit) {
     visit(sigma_, bias_, errors_);
   }
 
  private:
-  Eigen::Vector3d most_;
+  MotionOptions options_;
   Eigen::Vector3d sigma_;
   Eigen::Vector3d bias_ = Eigen::Vector3d::Zero();  // [m, m, rad], mean of the last few errors.
   std::array<std::deque<double>, 3> errors_;        // [m, m, rad], the latest ones' amounts.

@@ -32,7 +32,7 @@ struct Outcome {
   std::string err;
 };
 
-/// Runs programs in a folder of the test's own, where `run.npz` is a recording of an orchard.
+/// Runs programs in a folder of the test's own.
 class ProgramTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -40,28 +40,13 @@ class ProgramTest : public testing::Test {
     folder_ =
         fs::path(testing::TempDir()) / ("program_test_" + std::string(test->name()) + "_" + std::to_string(::getpid()));
     fs::create_directories(folder_);
-    WriteRecording("run.npz", 5);
   }
   void TearDown() override { fs::remove_all(folder_); }
 
   fs::path Path(const std::string& name) const { return folder_ / name; }
 
-  // Once around an orchard.
-  void WriteRecording(const std::string& name, int seed) const {
-    PlanarOrchardOptions options;
-    options.seed = seed;
-    options.rows = 3;
-    options.trees_per_row = 7;
-    options.lidar.beams = 449;
-    const PlanarOrchard orchard(options);
-    NpyArray scans{{orchard.NumScans(), 449}, {}};
-    NpyArray stamps{{orchard.NumScans()}, {}};
-    for (size_t i = 0; i < orchard.NumScans(); ++i) {
-      const LaserScan scan = orchard.Scan(i);
-      scans.values.insert(scans.values.end(), scan.ranges.begin(), scan.ranges.end());
-      stamps.values.push_back(scan.stamp);
-    }
-    WriteNpz(Path(name).string(), {{"scan0", scans}, {"time", stamps}});
+  void Write(const std::string& name, const std::string& contents) const {
+    std::ofstream(Path(name), std::ios::binary) << contents;
   }
 
   // Runs a program in the test's folder by a shell; `before` goes in front of it.
@@ -83,12 +68,8 @@ class ProgramTest : public testing::Test {
     return outcome;
   }
 
-  // The program fails with one line on stderr that holds all `parts`.
-  void ExpectError(const std::string& program, const std::string& arguments, int exit_code,
-                   const std::vector<std::string>& parts, const std::string& before = "") const {
-    SCOPED_TRACE(arguments);
-    const Outcome outcome = Run(program, arguments, before);
-    EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
+  // What was said on stderr is one line, the program's error, that holds all `parts`.
+  static void ExpectOneLine(const std::string& program, const Outcome& outcome, const std::vector<std::string>& parts) {
     EXPECT_EQ(outcome.err.rfind(program + ": error: ", 0), 0u) << outcome.err;
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
     for (const std::string& part : parts) {
@@ -96,8 +77,45 @@ class ProgramTest : public testing::Test {
     }
   }
 
+  // The program fails with one line on stderr that holds all `parts`.
+  Outcome ExpectError(const std::string& program, const std::string& arguments, int exit_code,
+                      const std::vector<std::string>& parts, const std::string& before = "") const {
+    SCOPED_TRACE(arguments);
+    const Outcome outcome = Run(program, arguments, before);
+    EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
+    ExpectOneLine(program, outcome, parts);
+    return outcome;
+  }
+
  private:
   fs::path folder_;
+};
+
+/// The same with a recording, `run.npz`, of one walk around an orchard.
+class PlanarProgramTest : public ProgramTest {
+ protected:
+  void SetUp() override {
+    ProgramTest::SetUp();
+    WriteRecording("run.npz", 5);
+  }
+
+  // Once around an orchard.
+  void WriteRecording(const std::string& name, int seed) const {
+    PlanarOrchardOptions options;
+    options.seed = seed;
+    options.rows = 3;
+    options.trees_per_row = 7;
+    options.lidar.beams = 449;
+    const PlanarOrchard orchard(options);
+    NpyArray scans{{orchard.NumScans(), 449}, {}};
+    NpyArray stamps{{orchard.NumScans()}, {}};
+    for (size_t i = 0; i < orchard.NumScans(); ++i) {
+      const LaserScan scan = orchard.Scan(i);
+      scans.values.insert(scans.values.end(), scan.ranges.begin(), scan.ranges.end());
+      stamps.values.push_back(scan.stamp);
+    }
+    WriteNpz(Path(name).string(), {{"scan0", scans}, {"time", stamps}});
+  }
 };
 
 }  // namespace arborslam

@@ -12,7 +12,7 @@
 namespace arborslam {
 namespace {
 
-class LocalizeProgramTest : public ProgramTest {
+class LocalizeProgramTest : public PlanarProgramTest {
  protected:
   void MakeMap() const { RunWell("arborslam_offline", "--input run.npz --output map"); }
 };

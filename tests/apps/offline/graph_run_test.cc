@@ -16,42 +16,16 @@
 #include "core/io/g2o.h"
 #include "core/io/trajectory_io.h"
 #include "core/simulation/orchard_graph.h"
+#include "tests/apps/program_test.h"
 
 namespace arborslam {
 namespace {
 
-namespace fs = std::filesystem;
-
-std::string ReadFile(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-class GraphRunTest : public testing::Test {
+class GraphRunTest : public ProgramTest {
  protected:
-  void SetUp() override {
-    const testing::TestInfo* test = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(testing::TempDir()) / ("graph_run_" + std::string(test->name()) + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  fs::path Path(const std::string& name) const { return folder_ / name; }
-
-  void Write(const std::string& name, const std::string& contents) const {
-    std::ofstream(Path(name), std::ios::binary) << contents;
-  }
-
-  int Run(const std::string& arguments) const {
-    const std::string command = "cd '" + folder_.string() + "' && '" ARBORSLAM_PROGRAM_DIR "/arborslam_offline' " +
-                                arguments + " >.stdout 2>.stderr";
-    const int status = std::system(command.c_str());
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
+  int Run(const std::string& arguments) const { return ProgramTest::Run("arborslam_offline", arguments).exit_code; }
 
   std::string Errors() const { return ReadFile(Path(".stderr")); }
-
-  fs::path folder_;
 };
 
 TEST_F(GraphRunTest, AGraphIsSmoothedAndHeldAgainstTheTruth) {

@@ -28,21 +28,15 @@
 #include "core/io/npz.h"
 #include "core/io/trajectory_io.h"
 #include "core/simulation/planar_orchard.h"
+#include "tests/apps/program_test.h"
 
 namespace arborslam {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const std::set<std::string> kResults = {
     "effective_config.yaml", "graph.g2o",   "map.pgm",    "map.png",      "map.yaml",
     "odometry.tum",          "report.html", "session.db", "summary.json", "trajectory.tum"};
-
-std::string ReadFile(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 // What is recorded, before it is written.
 struct Recording {
@@ -79,27 +73,9 @@ Recording Record(const PlanarOrchard& orchard) {
   return recording;
 }
 
-struct Outcome {
-  int exit_code = -1;
-  std::string out;
-  std::string err;
-};
-
-class OfflineTest : public testing::Test {
+class OfflineTest : public ProgramTest {
  protected:
-  void SetUp() override {
-    const testing::TestInfo* test = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ =
-        fs::path(testing::TempDir()) / ("offline_test_" + std::string(test->name()) + "_" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  fs::path Path(const std::string& name) const { return folder_ / name; }
-
-  void Write(const std::string& name, const std::string& contents) const {
-    std::ofstream(Path(name), std::ios::binary) << contents;
-  }
+  using ProgramTest::Write;
   void Write(const std::string& name, const std::map<std::string, NpyArray>& arrays) const {
     WriteNpz(Path(name).string(), arrays);
   }
@@ -113,24 +89,10 @@ class OfflineTest : public testing::Test {
     WriteTum(Path("truth.tum").string(), orchard.GroundTruth());
   }
 
-  // Runs the program in the test's folder by a shell; `before` goes in front of it.
   Outcome Run(const std::string& arguments, const std::string& before = "") const {
-    const std::string command = "cd '" + folder_.string() + "' && " + before +
-                                " '" ARBORSLAM_PROGRAM_DIR "/arborslam_offline' " + arguments + " >.stdout 2>.stderr";
-    const int status = std::system(command.c_str());
-    Outcome outcome;
-    if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
-    outcome.out = ReadFile(Path(".stdout"));
-    outcome.err = ReadFile(Path(".stderr"));
-    return outcome;
+    return ProgramTest::Run("arborslam_offline", arguments, before);
   }
-
-  Outcome RunWell(const std::string& arguments) const {
-    const Outcome outcome = Run(arguments);
-    EXPECT_EQ(outcome.exit_code, 0) << arguments << "\n" << outcome.err;
-    EXPECT_EQ(outcome.err, "") << arguments;
-    return outcome;
-  }
+  Outcome RunWell(const std::string& arguments) const { return ProgramTest::RunWell("arborslam_offline", arguments); }
 
   std::set<std::string> Files(const std::string& name) const {
     std::set<std::string> files;
@@ -151,22 +113,15 @@ class OfflineTest : public testing::Test {
     return ReadTrajectory((Path(output) / name).string());
   }
 
-  void ExpectOneLine(const Outcome& outcome, const std::vector<std::string>& parts) const {
-    EXPECT_EQ(outcome.err.rfind("arborslam_offline: error: ", 0), 0u) << outcome.err;
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
-    for (const std::string& part : parts) {
-      EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err << "lacks " << part;
-    }
+  static void ExpectOneLine(const Outcome& outcome, const std::vector<std::string>& parts) {
+    ProgramTest::ExpectOneLine("arborslam_offline", outcome, parts);
   }
 
   // The program fails with one line on stderr that holds all `parts`, and leaves nothing in out/.
   void ExpectError(const std::string& arguments, int exit_code, const std::vector<std::string>& parts) const {
-    SCOPED_TRACE(arguments);
-    const Outcome outcome = Run(arguments);
-    EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
-    ExpectOneLine(outcome, parts);
-    EXPECT_EQ(outcome.out, "");
-    EXPECT_EQ(Files("out"), std::set<std::string>());
+    const Outcome outcome = ProgramTest::ExpectError("arborslam_offline", arguments, exit_code, parts);
+    EXPECT_EQ(outcome.out, "") << arguments;
+    EXPECT_EQ(Files("out"), std::set<std::string>()) << arguments;
   }
 
   double AteRmse(const fs::path& estimate, const fs::path& truth) const {
@@ -194,9 +149,6 @@ class OfflineTest : public testing::Test {
     EXPECT_EQ(summary.at("loops").at("accepted"), accepted);
     EXPECT_EQ(summary.at("loops").at("tried"), summary.at("loops").at("candidates").size());
   }
-
- private:
-  fs::path folder_;
 };
 
 TEST_F(OfflineTest, HelpIsShortAndNamesEveryFlagAndFile) {

@@ -21,7 +21,7 @@
 namespace arborslam {
 namespace {
 
-class SessionProgramTest : public ProgramTest {
+class SessionProgramTest : public PlanarProgramTest {
  protected:
   // Starts arborslam_offline and kills it after `milliseconds`, or lets it end before that.
   void KillAfter(int milliseconds, const std::string& output) const {

@@ -151,5 +151,14 @@ TEST(SE2Test, PrintsItsThreeNumbers) {
   EXPECT_EQ(text.str(), "(1.5, -2, 0.25)");
 }
 
+TEST(SE2Test, PosesAreCloseUpToBothLimits) {
+  const SE2 pose(1.0, 2.0, 3.1);
+  EXPECT_TRUE(AreClose(pose, SE2(1.3, 2.4, 3.1), 0.51, 0.1));
+  EXPECT_FALSE(AreClose(pose, SE2(1.3, 2.4, 3.1), 0.49, 0.1));
+  // Across the cut at pi.
+  EXPECT_TRUE(AreClose(pose, SE2(1.0, 2.0, -3.1), 0.1, 0.09));
+  EXPECT_FALSE(AreClose(pose, SE2(1.0, 2.0, -3.1), 0.1, 0.08));
+}
+
 }  // namespace
 }  // namespace arborslam

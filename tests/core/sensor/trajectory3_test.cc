@@ -40,5 +40,14 @@ TEST(Trajectory3, EmptyStaysEmpty) {
   EXPECT_TRUE(ToPlanar({}).empty());
 }
 
+TEST(Trajectory3, AnUprightLidarIsLiftedByItsHeight) {
+  Tilt3 tilt;
+  tilt.z = 0.7;
+  const StampedPose3 lifted = Lifted({4.0, SE2(1.0, -2.0, 0.5)}, tilt);
+  EXPECT_EQ(lifted.stamp, 4.0);
+  EXPECT_TRUE(lifted.position.isApprox(Eigen::Vector3d(1.0, -2.0, 0.7), 1e-12));
+  EXPECT_NEAR(Eigen::AngleAxisd(lifted.orientation).angle(), 0.5, 1e-12);
+}
+
 }  // namespace
 }  // namespace arborslam

@@ -27,8 +27,8 @@ TEST(MatcherTest, AcceptsAGoodMatch) {
   const MatchTarget target = TargetOf(MapOf(orchard, 30, 21, 40));
   const SE2 truth = orchard.TruePose(40);
   const std::vector<Eigen::Vector2f> points = PointsOf(orchard, 40);
-  const MatchResult match =
-      DefaultMatcher().Match(target, points, truth * SE2(0.35, -0.4, 0.15), kNear, /*check_uniqueness=*/true);
+  MatchResult match = DefaultMatcher().Match(target, points, truth * SE2(0.35, -0.4, 0.15), kNear);
+  DefaultMatcher().CheckUniqueness(target, points, kNear, &match);
   EXPECT_EQ(match.verdict, MatchVerdict::kAccepted);
   EXPECT_TRUE(IsUsable(match.verdict));
   EXPECT_LT((match.pose.translation() - truth.translation()).norm(), 0.06);
@@ -105,13 +105,16 @@ TEST(MatcherTest, AnExactlyRepeatingGridIsAmbiguous) {
   const std::vector<Eigen::Vector2f> points = PointsOf(orchard, index);
   const SE2 truth = orchard.TruePose(index);
   const SearchWindow beyond_a_tree{2.3, 0.1, 0.01, {}};
-  const MatchResult match = DefaultMatcher().Match(target, points, truth, beyond_a_tree, /*check_uniqueness=*/true);
+  MatchResult match = DefaultMatcher().Match(target, points, truth, beyond_a_tree);
+  DefaultMatcher().CheckUniqueness(target, points, beyond_a_tree, &match);
   EXPECT_EQ(match.verdict, MatchVerdict::kAmbiguous);
   EXPECT_FALSE(IsUsable(match.verdict));
   // Whether the question is asked, and whether the window holds the next tree, decides.
   EXPECT_EQ(DefaultMatcher().Match(target, points, truth, beyond_a_tree).verdict, MatchVerdict::kAccepted);
-  EXPECT_EQ(DefaultMatcher().Match(target, points, truth, SearchWindow{0.8, 0.1, 0.01, {}}, true).verdict,
-            MatchVerdict::kAccepted);
+  const SearchWindow before_a_tree{0.8, 0.1, 0.01, {}};
+  match = DefaultMatcher().Match(target, points, truth, before_a_tree);
+  DefaultMatcher().CheckUniqueness(target, points, before_a_tree, &match);
+  EXPECT_EQ(match.verdict, MatchVerdict::kAccepted);
 }
 
 TEST(MatcherTest, AnIrregularOrchardIsNotAmbiguous) {
@@ -119,8 +122,10 @@ TEST(MatcherTest, AnIrregularOrchardIsNotAmbiguous) {
   options.position_jitter = 0.6;
   const PlanarOrchard orchard(options);
   const MatchTarget target = TargetOf(MapOf(orchard, 30, 41, 50));
-  const MatchResult match = DefaultMatcher().Match(target, PointsOf(orchard, 50), orchard.TruePose(50),
-                                                   SearchWindow{2.3, 0.1, 0.01, {}}, /*check_uniqueness=*/true);
+  const std::vector<Eigen::Vector2f> points = PointsOf(orchard, 50);
+  const SearchWindow beyond_a_tree{2.3, 0.1, 0.01, {}};
+  MatchResult match = DefaultMatcher().Match(target, points, orchard.TruePose(50), beyond_a_tree);
+  DefaultMatcher().CheckUniqueness(target, points, beyond_a_tree, &match);
   EXPECT_EQ(match.verdict, MatchVerdict::kAccepted);
 }
 
@@ -203,6 +208,18 @@ TEST(MatcherTest, ValidatesItsOptions) {
   options = {};
   options.max_second_ratio = 0.0;
   EXPECT_NE(options.Validate().find("max_second_ratio"), std::string::npos);
+}
+
+TEST(MatcherTest, ARefusalNamesItsFirstReason) {
+  MatchResult match;
+  match.verdict = MatchVerdict::kAccepted;
+  match.score = 0.04;
+  match.inlier_ratio = 0.8;
+  EXPECT_EQ(RefusalReason(match, 0.08, 0.6), "");
+  EXPECT_EQ(RefusalReason(match, 0.08, 0.9), "overlap");
+  EXPECT_EQ(RefusalReason(match, 0.03, 0.9), "score");
+  match.verdict = MatchVerdict::kAmbiguous;
+  EXPECT_EQ(RefusalReason(match, 0.03, 0.9), "ambiguous");
 }
 
 }  // namespace

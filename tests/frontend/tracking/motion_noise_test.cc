@@ -84,5 +84,21 @@ TEST(MotionNoiseTest, GrowsWhilePredictionsErrToOneSide) {
   EXPECT_LT(noise.sigma().y(), 1.5 * before);
 }
 
+TEST(MotionNoiseTest, InertiaAndTheStepBoundWhatWasLearned) {
+  MotionOptions options;
+  MotionNoise noise(options);
+  AddRandomErrors({0.0, 0.0, 0.0}, 300, kGoodMatch, &noise);
+  const Eigen::Vector3d learned = noise.sigma();
+  EXPECT_TRUE(noise.SigmaAt(0.0, 0.1, 0.2).isApprox(learned));
+  // Twice the step, twice the error.
+  EXPECT_TRUE(noise.SigmaAt(0.0, 0.05, 0.15).isApprox(2.0 * learned));
+  // Within a second a robot may do anything.
+  EXPECT_TRUE(noise.SigmaAt(0.0, 1.0, 2.0).isApprox(options.GreatestSigma()));
+  // Nothing can be predicted after a long gap.
+  EXPECT_TRUE(noise.SigmaAt(0.0, 0.1, 0.9).isApprox(options.GreatestSigma()));
+  options.learn_sigma = false;
+  EXPECT_TRUE(MotionNoise(options).SigmaAt(0.0, 0.1, 0.2).isApprox(options.GreatestSigma()));
+}
+
 }  // namespace
 }  // namespace arborslam
