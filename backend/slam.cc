@@ -95,7 +95,7 @@ ScanResult Slam::AddScan(const LaserScan& scan) {
   Stopwatch stopwatch;
   const PlanarScan planar = ProjectLaserScan(scan, options_.projection);
   result.project_ms = stopwatch.Lap();
-  AddPlanarScan(planar, Predict(scan.stamp), &result);
+  AddPlanarScan(planar, planar.points, Predict(scan.stamp), &result);
   return result;
 }
 
@@ -123,7 +123,7 @@ ScanResult Slam::AddScan(const LidarSweep& sweep) {
   // Nothing else needs them.
   std::vector<float> phases = std::move(reduced.planar.phases);
   reduced.planar.phases.clear();
-  AddPlanarScan(reduced.planar, prediction, &result);
+  AddPlanarScan(reduced.planar, reduced.to_match, prediction, &result);
   if (result.status == ScanStatus::kSkipped) return result;
   stopwatch.Lap();
   reducer_.Commit(reduced, result.T_odom_base);
@@ -144,17 +144,18 @@ bool Slam::IsOutOfOrder(ScanResult* result) const {
   return true;
 }
 
-void Slam::AddPlanarScan(const PlanarScan& planar, const SE2& prediction, ScanResult* result_out) {
+void Slam::AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vector2f>& to_match, const SE2& prediction,
+                         ScanResult* result_out) {
   ScanResult& result = *result_out;
   Stopwatch stopwatch;
   const bool is_first = keyframes_.empty();
-  if (is_first && static_cast<int>(planar.points.size()) < options_.matcher.min_points) {
+  if (is_first && static_cast<int>(to_match.size()) < options_.matcher.min_points) {
     result.reason = ToString(MatchVerdict::kTooFewPoints);
     return;
   }
   const SE2 last_pose = is_first ? SE2() : WindowPose(scans_.back()).pose;
   const Eigen::Vector3d sigma = PredictionSigma(planar.stamp);
-  const TrackingResult tracked = tracker_.Track(planar.points, last_pose, prediction, scans_.size() > 1, sigma);
+  const TrackingResult tracked = tracker_.Track(to_match, last_pose, prediction, scans_.size() > 1, sigma);
   result.match = tracked.match;
   result.searched_wide = tracked.searched_wide;
   result.status = is_first || IsUsable(tracked.match.verdict) ? ScanStatus::kMatched : ScanStatus::kPredicted;

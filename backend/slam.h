@@ -107,7 +107,9 @@ class Slam {
   // True, with a reason, for a scan that comes too late.
   bool IsOutOfOrder(ScanResult* result) const;
   // Tracks a scan from `prediction`: fills the rest of `result`.
-  void AddPlanarScan(const PlanarScan& planar, const SE2& prediction, ScanResult* result);
+  // `to_match` [m, base frame]: those of its points by which it is matched.
+  void AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vector2f>& to_match, const SE2& prediction,
+                     ScanResult* result);
   // The planar velocity between the last two scans.
   PlanarVelocity Velocity() const;
   // Learns from a sweep how long sweeps last.

@@ -15,6 +15,8 @@ constexpr int kPatchesAcross = 16;
 // [m^2], variance of the map that a perfect fit (simulated or tiny) does not show.
 constexpr double kLeastVariance = 1e-6;
 
+// Of a slope, what a wider step leaves at least.
+constexpr double kLeastRatio = 0.01;
 // The step is widened by at most this.
 constexpr double kGreatestWidening = 4.0;
 
@@ -106,6 +108,16 @@ Eigen::Matrix3d PoseSlope(const SE2& pose, double step, double range, Estimating
   return 0.5 * (slope + slope.transpose());
 }
 
+// `near` (positive definite) shrunk along the directions in which `far` is less.
+Eigen::MatrixXd Lesser(const Eigen::MatrixXd& near, const Eigen::MatrixXd& far) {
+  const Eigen::MatrixXd root = near.llt().matrixL();
+  const Eigen::MatrixXd half = root.triangularView<Eigen::Lower>().solve(far);
+  const Eigen::MatrixXd ratio = root.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd(half.transpose()));
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (ratio + ratio.transpose()));
+  const Eigen::MatrixXd axes = root * eigen.eigenvectors();
+  return axes * eigen.eigenvalues().cwiseMax(kLeastRatio).cwiseMin(1.0).asDiagonal() * axes.transpose();
+}
+
 // How the force, also that on the range offset, changes with the range offset.
 Force RangeOffsetSlope(const SE2& pose, double step, EstimatingFunction* function) {
   const auto offset = static_cast<float>(step);
@@ -150,6 +162,9 @@ Eigen::Matrix3d MatchInformation(const MatchTarget& target, const std::vector<Ei
   const Eigen::MatrixXd to_free = scale.asDiagonal() * free_directions;
   const Eigen::MatrixXd from_free = scale.cwiseInverse().asDiagonal() * free_directions;
   const double range = TypicalRange(points, options.step);
+  const auto robust_weight = [&options](double distance) {
+    return 1.0 / (1.0 + distance * distance / (options.robust_scale * options.robust_scale));
+  };
   Eigen::MatrixXd information;
   for (double step = options.step;; step *= 2.0) {
     const Eigen::Matrix3d slope = PoseSlope(pose, step, range, &function);
@@ -161,8 +176,12 @@ Eigen::Matrix3d MatchInformation(const MatchTarget& target, const std::vector<Ei
     }
     // Where the force does not pull back at all, nothing is known.
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(to_free.transpose() * slope * to_free);
-    const Eigen::MatrixXd pull =
+    Eigen::MatrixXd pull =
         eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(1e-9).asDiagonal() * eigen.eigenvectors().transpose();
+    // What holds a pose firmly does so over a wider step as well, but for what the robust weights take away.
+    const double loss = robust_weight(step) / robust_weight(2.0 * step);
+    const Eigen::Matrix3d wide_slope = loss * PoseSlope(pose, 2.0 * step, range, &function);
+    pull = Lesser(pull, to_free.transpose() * wide_slope * to_free);
     const Eigen::MatrixXd free_spread = to_free.transpose() * spread * to_free + kLeastVariance * pull;
     information = pull * free_spread.ldlt().solve(pull);
     information = (0.5 * (information + information.transpose())).eval();

@@ -14,6 +14,8 @@ namespace {
 constexpr float kBeamSpacing = 0.01f;
 // [m], by which noise makes a thing deeper than it is.
 constexpr float kDepthNoise = 0.12f;
+// Things keep a greater share rather than that fewer points than this are left.
+constexpr size_t kMinMatched = 50;
 
 struct Thing {
   std::vector<size_t> points;
@@ -65,6 +67,7 @@ std::vector<Thing> FindThings(const std::vector<Eigen::Vector2f>& points, float 
 std::string CompactThingOptions::Validate() const {
   if (!(max_width >= 0.0 && max_width <= 10.0)) return Violation("max_width", max_width, "lie in [0, 10] m");
   if (!(max_gap >= 0.0 && max_gap <= 2.0)) return Violation("max_gap", max_gap, "lie in [0, 2] m");
+  if (!(max_share > 0.0 && max_share <= 1.0)) return Violation("max_share", max_share, "lie in (0, 1]");
   return "";
 }
 
@@ -98,6 +101,44 @@ void CenterCompactThings(const CompactThingOptions& options, PlanarScan* scan) {
       points[i] += std::sqrt(std::max(0.0f, radius * radius - side * side)) * ahead;
     }
   }
+}
+
+std::vector<Eigen::Vector2f> ThinnedThings(const CompactThingOptions& options,
+                                           const std::vector<Eigen::Vector2f>& points) {
+  if (!options.enabled) return points;
+  std::vector<Thing> things = FindThings(points, static_cast<float>(options.max_gap));
+  // As seen from the lidar, over their whole breadth.
+  const auto is_wide = [&](Thing& thing) {
+    if (thing.points.empty()) return true;
+    std::sort(thing.points.begin(), thing.points.end());
+    const Eigen::Vector2f breadth = points[thing.points.front()] - points[thing.points.back()];
+    return breadth.norm() > static_cast<float>(options.max_width);
+  };
+  things.erase(std::remove_if(things.begin(), things.end(), is_wide), things.end());
+  size_t most = 0;
+  for (const Thing& thing : things) most = std::max(most, thing.points.size());
+  const auto num_left = [&](size_t limit) {
+    size_t sum = points.size();
+    for (const Thing& thing : things) sum -= thing.points.size() - std::min(limit, thing.points.size());
+    return sum;
+  };
+  while (static_cast<double>(most) > options.max_share * static_cast<double>(num_left(most)) &&
+         num_left(most - 1) >= kMinMatched) {
+    --most;
+  }
+  std::vector<bool> is_left_out(points.size(), false);
+  for (const Thing& thing : things) {
+    const size_t count = thing.points.size();
+    for (size_t i = 0; i < count && count > most; ++i) {
+      if ((i + 1) * most / count == i * most / count) is_left_out[thing.points[i]] = true;
+    }
+  }
+  std::vector<Eigen::Vector2f> kept;
+  kept.reserve(points.size());
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (!is_left_out[i]) kept.push_back(points[i]);
+  }
+  return kept;
 }
 
 }  // namespace arborslam

@@ -1,7 +1,9 @@
 #ifndef ARBORSLAM_FRONTEND_PROJECTION_COMPACT_THINGS_H_
 #define ARBORSLAM_FRONTEND_PROJECTION_COMPACT_THINGS_H_
 
+#include <Eigen/Core>
 #include <string>
+#include <vector>
 
 #include "core/sensor/planar_scan.h"
 
@@ -12,6 +14,7 @@ struct CompactThingOptions {
   bool enabled = true;     ///< Whether this is done at all.
   double max_width = 0.7;  ///< [m], wider things are left as they are.
   double max_gap = 0.15;   ///< [m], between neighbouring points of one thing, plus what the beams' spacing gives.
+  double max_share = 0.1;  ///< Of the points that a scan is matched by, those of one thing.
 
   std::string Validate() const;
 
@@ -20,6 +23,7 @@ struct CompactThingOptions {
     visit("enabled", enabled);
     visit("max_width", max_width);
     visit("max_gap", max_gap);
+    visit("max_share", max_share);
   }
 };
 
@@ -36,6 +40,14 @@ struct CompactThingOptions {
 /// scan in the plane, are no discs. `scan->points` must be ordered by bearing, as projections give them; their order
 /// and number stay.
 void CenterCompactThings(const CompactThingOptions& options, PlanarScan* scan);
+
+/// The points [m] to match: all, but for those of things no wider than `max_width` that would be more than `max_share`
+/// of them; of these some are taken evenly, but never so few that less than 50 points remain.
+///
+/// Beams meet near things far more often than distant ones. Two people who follow the robot can be half of a scan, and
+/// their say is that it stands still. `points` must be ordered by bearing, and so is the result.
+std::vector<Eigen::Vector2f> ThinnedThings(const CompactThingOptions& options,
+                                           const std::vector<Eigen::Vector2f>& points);
 
 }  // namespace arborslam
 

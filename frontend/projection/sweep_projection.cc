@@ -29,6 +29,11 @@ constexpr float kRangeTolerance = 0.05f;  // [m], between returns from a solid t
 constexpr float kHalfWidth = 0.03f;       // [m], how far to the sides returns are compared, at least one column,
 constexpr int kMostColumns = 3;           // at most this many.
 constexpr float kMinSolidity = 0.45f;
+constexpr float kLowMargin = 0.09f;     // [m], from here on up narrow things are told from grass,
+constexpr float kLowGrowth = 0.004f;    // [m] more per m of range.
+constexpr uint32_t kMinLowColumns = 4;  // They are seen in at least so many columns,
+constexpr float kMaxLowWidth = 0.8f;    // [m], and no wider than this.
+constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 constexpr size_t kMinClusters = 50;  // Less solid ones are kept up to this number.
 constexpr size_t kMaxClusters = 1000;
 
@@ -72,6 +77,7 @@ SweepProjection::SweepProjection(const SweepProjectionOptions& options) : option
 
 PlanarScan SweepProjection::Project(const Input& input, const Eigen::Matrix3f& R_base_lidar) {
   Select(input, R_base_lidar);
+  KeepLowThings(input.column_width);
   MakeClusters();
   FindSolid(input.column_width);
   MakePoints();
@@ -109,6 +115,8 @@ void SweepProjection::Select(const Input& input, const Eigen::Matrix3f& R_base_l
   num_columns_ = static_cast<size_t>(std::ceil(2.0f * kPiF * inverse_width)) + 1;
   const size_t num_layers = std::min(kMostLayers, static_cast<size_t>(std::max(0.0f, most_height) / kLayerHeight) + 1);
   kept_.clear();
+  low_.clear();
+  low_of_column_.assign(num_columns_, kNone);
   bin_ends_.assign(num_layers * num_columns_ + 1, 0);
   seen_.assign(kSectors, 0);
   first_.assign(kSectors, std::numeric_limits<float>::infinity());
@@ -155,15 +163,49 @@ void SweepProjection::Select(const Input& input, const Eigen::Matrix3f& R_base_l
           seen_[SectorOf(bearing[i])] |= up_to & ~((uint64_t{1} << from) - 1);
         }
       }
-      if (height[i] < ground_margin + ground_growth * range[i] || range[i] > max_range) continue;
+      const float margin = ground_margin + ground_growth * range[i];
+      if (height[i] < std::min(margin, kLowMargin + kLowGrowth * range[i]) || range[i] > max_range) continue;
+      const auto column = static_cast<size_t>((bearing[i] + kPiF) * inverse_width);
+      if (height[i] < margin) {
+        low_.push_back({{x[i], y[i], range[i], phase[i], static_cast<uint32_t>(column)}, low_of_column_[column]});
+        low_of_column_[column] = static_cast<uint32_t>(low_.size() - 1);
+        continue;
+      }
       float& first = first_[SectorOf(bearing[i])];
       first = std::min(first, range[i]);
-      const auto column = static_cast<size_t>((bearing[i] + kPiF) * inverse_width);
       const auto layer = std::min(num_layers - 1, static_cast<size_t>(std::max(0.0f, height[i]) / kLayerHeight));
       const auto bin = static_cast<uint32_t>(layer * num_columns_ + column);
       ++bin_ends_[bin + 1];
       kept_.push_back({x[i], y[i], range[i], phase[i], bin});
     }
+  }
+}
+
+void SweepProjection::KeepLowThings(float column_width) {
+  low_runs_.clear();
+  open_.clear();
+  for (uint32_t column = 0; column < num_columns_; ++column) {
+    still_open_.clear();
+    for (uint32_t i = low_of_column_[column]; i != kNone; i = low_[i].next) {
+      Return& low = low_[i].value;
+      const auto joined = std::find_if(open_.begin(), open_.end(), [&](uint32_t k) {
+        return std::abs(low_runs_[k].range - low.range) <= kRangeTolerance;
+      });
+      low_[i].run = joined != open_.end() ? *joined : static_cast<uint32_t>(low_runs_.size());
+      if (joined == open_.end()) low_runs_.push_back({low.range, column, column});
+      low_runs_[low_[i].run].range = low.range;
+      low_runs_[low_[i].run].last_column = column;
+      still_open_.push_back(low_[i].run);
+    }
+    std::swap(open_, still_open_);
+  }
+  for (const LowReturn& low : low_) {
+    const LowRun& run = low_runs_[low.run];
+    const uint32_t num_columns = run.last_column - run.first_column + 1;
+    const float width = static_cast<float>(num_columns) * column_width * run.range;
+    if (num_columns < kMinLowColumns || width > kMaxLowWidth) continue;
+    ++bin_ends_[low.value.bin + 1];
+    kept_.push_back(low.value);
   }
 }
 

@@ -90,6 +90,18 @@ class SweepProjection {
     float phase;
     uint32_t bin;  // Layer by layer, column by column.
   };
+  // A return from within the ground margin, in a list of those of its column.
+  struct LowReturn {
+    Return value;
+    uint32_t next;     // Of low_.
+    uint32_t run = 0;  // Of low_runs_.
+  };
+  // Such returns side by side.
+  struct LowRun {
+    float range;  // [m], of the last one.
+    uint32_t first_column;
+    uint32_t last_column;
+  };
   // Returns of a bin at about one range.
   struct Cluster {
     Eigen::Vector2f sum;
@@ -110,6 +122,9 @@ class SweepProjection {
 
   // Fills kept_, bin_ends_ (with the numbers of returns, one bin late) and seen_.
   void Select(const Input& input, const Eigen::Matrix3f& R_base_lidar);
+  // Adds what is low but narrow, and of one range from column to column, to what is kept: the foot of a trunk that
+  // leaves hide above. The ground, where its height is misjudged, is wide, and grass has other ranges in every column.
+  void KeepLowThings(float column_width);
   // Fills sorted_, ranges_, bin_ends_ and clusters_.
   void MakeClusters();
   // How sure it is that `cluster` is something solid, in [0, 1).
@@ -127,6 +142,9 @@ class SweepProjection {
   SweepProjectionOptions options_;
   size_t num_columns_ = 0;
   std::vector<Return> kept_;
+  std::vector<LowReturn> low_;
+  std::vector<uint32_t> low_of_column_;  // For each column, the head of its list in low_.
+  std::vector<LowRun> low_runs_;
   std::vector<Return> sorted_;  // By bin, then by range.
   std::vector<float> ranges_;   // [m], of sorted_.
   std::vector<uint32_t> bin_ends_;

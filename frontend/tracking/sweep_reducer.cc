@@ -54,6 +54,7 @@ ReducedSweep SweepReducer::Reduce(const LidarSweep& sweep, const SE2& prediction
   }
   reduced.num_moving = static_cast<int>(reduced.with_moving.points.size() - reduced.planar.points.size());
   CenterCompactThings(compact_options_, &reduced.planar);
+  reduced.to_match = ThinnedThings(compact_options_, reduced.planar.points);
   return reduced;
 }
 

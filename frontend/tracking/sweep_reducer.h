@@ -34,14 +34,15 @@ struct ReductionOptions {
 
 /// A sweep as the estimation uses it.
 struct ReducedSweep {
-  PlanarScan planar;                 ///< In the base frame, without what moves, compact things centred.
-  PlanarScan with_moving;            ///< The same with it.
-  std::vector<GroundSample> ground;  ///< In the lidar frame.
-  bool has_ground = false;           ///< False: no ground was found, the tilt is that of the sweep before.
-  Tilt3 local_tilt;                  ///< Over the slope of the ground around the robot.
-  Tilt3 tilt;                        ///< Over the odometry frame's level; z likewise.
-  PlanarVelocity deskewing;          ///< What the sweep was deskewed with, at its `duration`.
-  int num_moving = 0;                ///< Planar points that were left out since they move.
+  PlanarScan planar;                      ///< In the base frame, without what moves, compact things centred.
+  std::vector<Eigen::Vector2f> to_match;  ///< [m], those points of `planar` by which it is to be matched.
+  PlanarScan with_moving;                 ///< The same with it.
+  std::vector<GroundSample> ground;       ///< In the lidar frame.
+  bool has_ground = false;                ///< False: no ground was found, the tilt is that of the sweep before.
+  Tilt3 local_tilt;                       ///< Over the slope of the ground around the robot.
+  Tilt3 tilt;                             ///< Over the odometry frame's level; z likewise.
+  PlanarVelocity deskewing;               ///< What the sweep was deskewed with, at its `duration`.
+  int num_moving = 0;                     ///< Planar points that were left out since they move.
 };
 
 /// From sweeps to planar scans (design section 3, steps 2-4): deskews with the robot's velocity, finds the ground,

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "core/geometry/angles.h"
 #include "core/simulation/random.h"
@@ -91,6 +93,67 @@ TEST(CenterCompactThings, CanBeSwitchedOffAndTakesAnEmptyScan) {
   EXPECT_EQ(scan.points, before);
 }
 
+// Single points, half a metre apart.
+void AddSingles(int count, std::vector<Eigen::Vector2f>* points) {
+  const auto first = static_cast<int>(points->size());
+  for (int i = 0; i < count; ++i) {
+    const double bearing = -2.0 + 0.05 * i;
+    points->push_back((10.0 * Eigen::Vector2d(std::cos(bearing), std::sin(bearing))).cast<float>());
+  }
+  std::sort(points->begin() + first, points->end(), [](const Eigen::Vector2f& a, const Eigen::Vector2f& b) {
+    return std::atan2(a.y(), a.x()) < std::atan2(b.y(), b.x());
+  });
+}
+
+TEST(ThinnedThings, NoThingHasMuchOfTheSay) {
+  Random random(6);
+  std::vector<Eigen::Vector2f> points;
+  AddSingles(80, &points);
+  // Two people, who follow close behind.
+  for (const double y : {0.4, 2.0}) {
+    const std::vector<Eigen::Vector2f> person = Disc({-1.5, y}, 0.2, 0.01, &random);
+    ASSERT_GT(person.size(), 40u);
+    points.insert(points.end(), person.begin(), person.end());
+  }
+  const std::vector<Eigen::Vector2f> thinned = ThinnedThings(CompactThingOptions{}, points);
+  ASSERT_LT(thinned.size(), points.size());
+  EXPECT_TRUE(std::equal(points.begin(), points.begin() + 80, thinned.begin()));
+  const size_t rest = thinned.size() - 80;
+  EXPECT_LE(rest, 2 * thinned.size() / 10);
+  EXPECT_GE(rest, 16u);
+  // They are taken from all of the thing.
+  const Eigen::Vector2f breadth = thinned[80] - thinned[80 + rest / 2 - 1];
+  EXPECT_GT(breadth.norm(), 0.25f);
+}
+
+TEST(ThinnedThings, LeavesWallsAndScansOfManyThingsAlone) {
+  Random random(7);
+  std::vector<Eigen::Vector2f> wall;
+  for (double y = -1.0; y <= 1.0; y += 0.01) wall.emplace_back(3.0f, static_cast<float>(y));
+  EXPECT_EQ(ThinnedThings(CompactThingOptions{}, wall), wall);
+  std::vector<Eigen::Vector2f> trunks;
+  for (double bearing = -2.8; bearing < 3.0; bearing += 0.4) {
+    const std::vector<Eigen::Vector2f> trunk =
+        Disc({4.0 * std::cos(bearing), 4.0 * std::sin(bearing)}, 0.1, 0.01, &random);
+    trunks.insert(trunks.end(), trunk.begin(), trunk.end());
+  }
+  EXPECT_EQ(ThinnedThings(CompactThingOptions{}, trunks), trunks);
+}
+
+TEST(ThinnedThings, KeepsEnoughToMatchWithAndCanBeSwitchedOff) {
+  Random random(8);
+  std::vector<Eigen::Vector2f> points;
+  AddSingles(10, &points);
+  const std::vector<Eigen::Vector2f> person = Disc({-1.0, 0.3}, 0.25, 0.01, &random);
+  ASSERT_GT(person.size(), 100u);
+  points.insert(points.end(), person.begin(), person.end());
+  EXPECT_EQ(ThinnedThings(CompactThingOptions{}, points).size(), 50u);
+  CompactThingOptions off;
+  off.enabled = false;
+  EXPECT_EQ(ThinnedThings(off, points), points);
+  EXPECT_TRUE(ThinnedThings(CompactThingOptions{}, {}).empty());
+}
+
 TEST(CompactThingOptions, RefusesWhatMakesNoSense) {
   CompactThingOptions options;
   EXPECT_EQ(options.Validate(), "");
@@ -99,6 +162,9 @@ TEST(CompactThingOptions, RefusesWhatMakesNoSense) {
   options = CompactThingOptions{};
   options.max_gap = 3.0;
   EXPECT_NE(options.Validate().find("max_gap"), std::string::npos);
+  options = CompactThingOptions{};
+  options.max_share = 0.0;
+  EXPECT_NE(options.Validate().find("max_share"), std::string::npos);
 }
 
 }  // namespace

@@ -163,6 +163,38 @@ TEST(SweepProjectionTest, TellsTrunksFromLeaves) {
   EXPECT_GT(on_trunks, 0.8 * static_cast<double>(scan.points.size()));
 }
 
+TEST(SweepProjectionTest, FindsTheFeetOfTrunksInGrass) {
+  Random random(4);
+  Returns returns;
+  // Grass all around, and every 36 degrees a trunk of six columns of which leaves leave one ring.
+  constexpr int kTrunks = 10;
+  for (int column = 0; column < 900; ++column) {
+    const bool is_trunk = column % 90 >= 40 && column % 90 < 46;
+    const double range = is_trunk ? 6.0 + 0.01 * random.Gaussian() : 5.0 + random.Exponential();
+    returns.Add(0.4 * (column + 0.5) - 180.0, range, 0.16);
+  }
+  const PlanarScan scan = Project(returns, SweepProjectionOptions());
+  std::vector<bool> found(kTrunks, false);
+  size_t num_elsewhere = 0;
+  for (const Eigen::Vector2f& point : scan.points) {
+    const double column = (RadToDeg(std::atan2(point.y(), point.x())) + 180.0) / 0.4;
+    const bool is_trunk = std::abs(std::fmod(column, 90.0) - 43.0) < 4.0 && std::abs(point.norm() - 6.0f) < 0.1f;
+    if (is_trunk) found[static_cast<size_t>(std::clamp(column / 90.0, 0.0, kTrunks - 1.0))] = true;
+    num_elsewhere += is_trunk ? 0 : 1;
+  }
+  for (int trunk = 0; trunk < kTrunks; ++trunk) EXPECT_TRUE(found[static_cast<size_t>(trunk)]) << trunk;
+  EXPECT_LT(num_elsewhere, 30u);
+}
+
+TEST(SweepProjectionTest, TakesNoRingOnMisjudgedGroundForAThing) {
+  Random random(5);
+  Returns returns;
+  for (int column = 0; column < 900; ++column) {
+    returns.Add(0.4 * (column + 0.5) - 180.0, 6.0 + 0.01 * random.Gaussian(), 0.16);
+  }
+  EXPECT_TRUE(Project(returns, SweepProjectionOptions()).points.empty());
+}
+
 TEST(SweepProjectionTest, KeepsTheBestOfLeavesWhereThereIsNothingElse) {
   Random random(2);
   Returns returns;
