@@ -109,9 +109,9 @@ class Slam {
   bool IsOutOfOrder(ScanResult* result) const;
   // Where a scan is taken to be before it is matched.
   struct Prediction {
-    SE2 pose;                 // T_odom_base.
-    Eigen::Vector3d sigma;    // [m, m, rad], its standard deviations.
-    bool knows_velocity;      // False: it takes a robot to stand that may well drive.
+    SE2 pose;                                // T_odom_base.
+    Eigen::Vector3d sigma;                   // [m, m, rad], its standard deviations.
+    bool knows_velocity;                     // False: it takes a robot to stand that may well drive.
     std::optional<OdometryStep> since_scan;  // Of the wheels, on which it then rests.
     std::optional<OdometryStep> since_keyframe;
   };

@@ -59,11 +59,10 @@ class CutShort : public UserError {
 
 void ExpectFields(const TextReader& reader, size_t count, const char* layout) {
   if (reader.fields().size() < count) {
-    throw CutShort(
-        reader.Place(),
-        reader.fields()[0] + " has " + std::to_string(reader.fields().size()) + " fields instead of " +
-            std::to_string(count),
-        std::string("complete the line to '") + layout + "' or remove it");
+    throw CutShort(reader.Place(),
+                   reader.fields()[0] + " has " + std::to_string(reader.fields().size()) + " fields instead of " +
+                       std::to_string(count),
+                   std::string("complete the line to '") + layout + "' or remove it");
   }
   reader.ExpectFields(count, layout);
 }
@@ -120,9 +119,7 @@ SE2 PoseAt(const TextReader& reader, size_t first) {
   return SE2(x, y, BoundedNumber(reader, first + 2, "theta", kGreatestCoordinate));
 }
 
-double StampAt(const TextReader& reader, size_t index) {
-  return BoundedNumber(reader, index, "stamp", kGreatestStamp);
-}
+double StampAt(const TextReader& reader, size_t index) { return BoundedNumber(reader, index, "stamp", kGreatestStamp); }
 
 // Infinite where the text says so; not a number is an error, as other text is.
 double RangeAt(const TextReader& reader, size_t index) {
