@@ -158,15 +158,16 @@ void Slam::AddPlanarScan(const PlanarScan& planar, const Prediction& prediction,
     return;
   }
   const SE2 last_pose = is_first ? SE2() : WindowPose(scans_.back()).pose;
-  const TrackingResult tracked =
-      tracker_.Track(planar.points, last_pose, prediction.pose, prediction.knows_velocity, prediction.sigma);
+  const TrackingResult tracked = tracker_.Track(planar.points, last_pose, prediction.pose, prediction.knows_velocity,
+                                                prediction.sigma, prediction.since_scan.has_value());
   result.match = tracked.match;
   result.searched_wide = tracked.searched_wide;
   result.status = is_first || IsUsable(tracked.match.verdict) ? ScanStatus::kMatched : ScanStatus::kPredicted;
   if (result.status == ScanStatus::kPredicted) result.reason = ToString(tracked.match.verdict);
-  if (tracked.insert && prediction.since_scan) {
+  const bool is_clean = tracked.insert && IsUsable(tracked.match.verdict);
+  if (is_clean && prediction.since_scan) {
     wheels_.Learn(*prediction.since_scan, last_pose.Inverse() * tracked.match.pose, tracked.match.information);
-  } else if (tracked.insert && scans_.size() > 1) {
+  } else if (is_clean && scans_.size() > 1) {
     motion_noise_.Add(last_pose, prediction.pose, tracked.match.pose, tracked.match.information);
   }
   result.match_ms = stopwatch.Lap();

@@ -35,6 +35,8 @@ constexpr double kSickErrors = 81.82;
 // The greatest range is a cut when it occurs this often, and this much more often than all others of the last metre.
 constexpr size_t kLeastCuts = 50;
 constexpr size_t kCutShare = 10;
+// Where so many scans' lines repeat the ODOM message before, their poses are older than the scans.
+constexpr double kRepeatedShare = 0.9;
 // Beyond this, in [m] or [s], a number is no pose and no stamp.
 constexpr double kGreatestCoordinate = 1e9;
 constexpr double kGreatestStamp = 1e12;
@@ -165,6 +167,8 @@ struct ScanIndex {
   std::vector<double> stamps;
   std::vector<SE2> lidar;  // As on the line.
   std::vector<SE2> robot;
+  std::vector<size_t> num_odometry;  // ODOM messages before the line.
+  size_t num_repeated = 0;           // Lines whose robot is where the last of these was.
   std::set<size_t> num_ranges;
   size_t num_negative = 0;  // Ranges.
 };
@@ -207,6 +211,8 @@ void AddMessage(const TextReader& reader, LogIndex* index) {
   scans.stamps.push_back(stamp);
   scans.lidar.push_back(lidar);
   scans.robot.push_back(robot);
+  scans.num_odometry.push_back(index->odometry.size());
+  scans.num_repeated += !index->odometry.empty() && robot.IsApprox(index->odometry.back().pose) ? 1 : 0;
   scans.num_ranges.insert(layout.num_ranges);
 }
 
@@ -239,23 +245,25 @@ bool IsMountFixed(const ScanIndex& scans) {
   return true;
 }
 
-// The poses of ODOM messages at `stamps` [s, rising], of which the first and last serve beyond both ends.
-std::vector<SE2> PosesAt(const std::vector<double>& stamps, const std::vector<OdometryMessage>& messages) {
+// The robot's poses at `stamps` [s, rising] between the ODOM messages before and after each scan's line; that one's
+// pose where there is none on the other side.
+std::vector<SE2> PosesBetween(const ScanIndex& scans, const std::vector<double>& stamps,
+                              const std::vector<OdometryMessage>& messages) {
   std::vector<double> message_stamps;
   message_stamps.reserve(messages.size());
   for (const OdometryMessage& message : messages) message_stamps.push_back(message.stamp);
   message_stamps = MakeRising(std::move(message_stamps)).stamps;
   std::vector<SE2> poses;
   poses.reserve(stamps.size());
-  for (const double stamp : stamps) {
-    const auto after = std::lower_bound(message_stamps.begin(), message_stamps.end(), stamp);
-    const auto i = static_cast<size_t>(after - message_stamps.begin());
-    if (i == 0 || i == messages.size()) {
-      poses.push_back(messages[i == 0 ? 0 : i - 1].pose);
+  for (size_t scan = 0; scan < stamps.size(); ++scan) {
+    const size_t after = scans.num_odometry[scan];
+    if (after == 0 || after == messages.size()) {
+      poses.push_back(messages[after == 0 ? 0 : after - 1].pose);
       continue;
     }
-    const double share = (stamp - message_stamps[i - 1]) / (message_stamps[i] - message_stamps[i - 1]);
-    poses.push_back(Interpolate(messages[i - 1].pose, messages[i].pose, std::clamp(share, 0.0, 1.0)));
+    const double gap = message_stamps[after] - message_stamps[after - 1];
+    const double share = gap > 0.0 ? (stamps[scan] - message_stamps[after - 1]) / gap : 0.0;
+    poses.push_back(Interpolate(messages[after - 1].pose, messages[after].pose, std::clamp(share, 0.0, 1.0)));
   }
   return poses;
 }
@@ -269,14 +277,18 @@ std::vector<SE2> OdometryOf(const ScanIndex& scans, const std::vector<double>& s
         "used.");
     return scans.robot;
   }
-  if (Changes(scans.lidar)) return scans.lidar;
   const bool has_messages = std::any_of(messages.begin(), messages.end(), [&](const OdometryMessage& message) {
     return !message.pose.IsApprox(messages.front().pose);
   });
-  if (has_messages) {
-    notices->push_back("The scans have no odometry of their own; that of the ODOM messages is interpolated.");
-    return PosesAt(stamps, messages);
+  const bool has_poses = Changes(scans.lidar);
+  const bool repeats = static_cast<double>(scans.num_repeated) >= kRepeatedShare * static_cast<double>(stamps.size());
+  if (has_messages && (repeats || !has_poses)) {
+    const SE2 T_robot_lidar = scans.robot.front().Inverse() * scans.lidar.front();
+    std::vector<SE2> poses = PosesBetween(scans, stamps, messages);
+    for (SE2& pose : poses) pose = pose * T_robot_lidar;
+    return poses;
   }
+  if (has_poses) return scans.lidar;
   notices->push_back("The log has no wheel odometry; the scans alone tell the motion.");
   return {};
 }

@@ -28,10 +28,12 @@ namespace arborslam {
 /// that a driver cuts at does.
 ///
 /// Odometry: x y theta, the lidar in the frame of the wheels. Where its place on the robot (odom_x odom_y odom_theta)
-/// changes, someone has corrected the one or the other; then the robot's pose is taken for the lidar's. Where no pose
-/// on the scans' lines ever changes, those of ODOM are interpolated, if they do; otherwise there is no odometry.
+/// changes, someone has corrected the one or the other; then the robot's pose is taken for the lidar's. Many loggers
+/// write the pose of the last ODOM message, which is some time older than the scan, and some write none: where nine in
+/// ten lines repeat that message, or no pose on the lines ever changes, the ODOM messages before and after a line are
+/// interpolated at its stamp instead. A log in which nothing moves has no odometry.
 ///
-/// The file is read twice: at opening for stamps and poses, 50 bytes a scan, and once more scan by scan. Stamps that
+/// The file is read twice: at opening for stamps and poses, 100 bytes a scan, and once more scan by scan. Stamps that
 /// run backwards are mended as by `MakeRising`: no scan is lost. A last line that is cut short, as when a logger was
 /// stopped, is left out.
 class CarmenScanSource : public ScanSource {

@@ -64,6 +64,7 @@ std::optional<OdometryStep> WheelOdometry::Since(const std::optional<SE2>& from,
 }
 
 void WheelOdometry::Commit(const std::optional<SE2>& pose, bool is_keyframe) {
+  is_used_ = is_used_ || pose.has_value();
   last_scan_ = pose;
   if (is_keyframe) last_keyframe_ = pose;
 }

@@ -66,17 +66,18 @@ class WheelOdometry {
   void Learn(const OdometryStep& step, const SE2& matched, const Eigen::Matrix3d& information);
 
   /// True if the run has had odometry.
-  bool is_used() const { return last_scan_.has_value(); }
+  bool is_used() const { return is_used_; }
 
   template <class Visitor>
   void VisitState(Visitor&& visit) {
-    visit(last_scan_, last_keyframe_, stretch_, errors_);
+    visit(is_used_, last_scan_, last_keyframe_, stretch_, errors_);
   }
 
  private:
   std::optional<OdometryStep> Since(const std::optional<SE2>& from, const std::optional<SE2>& pose) const;
 
   OdometryOptions options_;
+  bool is_used_ = false;
   std::optional<SE2> last_scan_;
   std::optional<SE2> last_keyframe_;
   Eigen::Vector3d stretch_ = Eigen::Vector3d::Ones();  // Of the options' standard deviations of x, y, theta.

@@ -149,7 +149,34 @@ TEST_F(CarmenTest, WithoutPosesOnTheScansOdomMessagesAreInterpolated) {
   EXPECT_TRUE(scans[0].odometry->IsApprox(SE2(0.0, 0.0, 0.0)));
   EXPECT_TRUE(scans[1].odometry->IsApprox(SE2(1.0, 0.0, 0.5)));
   EXPECT_TRUE(scans[2].odometry->IsApprox(SE2(2.0, 0.0, 1.0)));
-  EXPECT_THAT(NoticesOf(path), testing::Contains(HasSubstr("ODOM messages is interpolated")));
+}
+
+// The line's pose is that of the message before, and the scan was made half a period later.
+TEST_F(CarmenTest, PosesThatRepeatTheLastOdomMessageAreInterpolated) {
+  std::string text;
+  for (int i = 0; i < 20; ++i) {
+    const std::string pose = std::to_string(i) + " 0 0 ";
+    text += "ODOM " + pose + "0 0 0 " + std::to_string(i) + " host 0\n";
+    text += Sick("1 2", 2, i, i + 0.5);
+  }
+  const std::vector<LaserScan> scans = ReadAll(Write(text));
+  ASSERT_EQ(scans.size(), 20u);
+  for (size_t i = 0; i < 19; ++i) EXPECT_NEAR(scans[i].odometry->x(), static_cast<double>(i) + 0.5, 1e-9);
+  // Nothing is known beyond the last message.
+  EXPECT_NEAR(scans[19].odometry->x(), 19.0, 1e-9);
+}
+
+// A scan's clock that ran ahead takes its pose not farther than to the next message.
+TEST_F(CarmenTest, InterpolationStaysBetweenTheMessagesAroundTheLine) {
+  std::string text;
+  for (int i = 0; i < 20; ++i) {
+    text += "ODOM " + std::to_string(i) + " 0 0 0 0 0 " + std::to_string(i) + " host 0\n";
+    text += Sick("1 2", 2, i, i == 19 ? 100.0 : i == 7 ? 8.25 : i + 0.5);
+  }
+  const std::vector<LaserScan> scans = ReadAll(Write(text));
+  EXPECT_NEAR(scans[6].odometry->x(), 6.5, 1e-9);
+  EXPECT_NEAR(scans[7].odometry->x(), 8.0, 1e-9);
+  EXPECT_NEAR(scans[8].odometry->x(), 8.5, 1e-9);
 }
 
 TEST_F(CarmenTest, WithoutAnyMotionThereIsNoOdometry) {
