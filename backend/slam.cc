@@ -37,6 +37,7 @@ Slam::Slam(const SlamOptions& options, int num_threads)
       matcher_(options.matcher, options.mhd, options.refinement),
       reducer_(options.reduction, options.sweep, options.dynamic, options.compact, options.terrain.cell_size),
       motion_noise_(options.motion),
+      wheels_(options.odometry),
       tracker_(options.tracker, options.grid, options.matcher.max_distance, matcher_) {
   CHECK_GE(num_threads, 1);
 }
@@ -53,6 +54,7 @@ Slam::Slam(const SlamOptions& options, int num_threads, SessionContents contents
   state(sizes);
   state.Check(sizes == Sizes(), "its tables are not of one moment");
   VisitState(this, &state);
+  if (!state.AtEnd()) state(wheels_);
   state.CheckEnd();
   for (const auto& [node, pose] : window_.poses()) {
     state.Check(graph_.poses().count(node) > 0, "the window has a pose that the graph lacks");
@@ -81,6 +83,8 @@ std::string Slam::SaveState() const {
   BinaryWriter state;
   state(Sizes());
   VisitState(this, &state);
+  // Left out where there are none, as of sessions made before wheels were known.
+  if (wheels_.is_used()) state(wheels_);
   return state.bytes();
 }
 
@@ -95,7 +99,8 @@ ScanResult Slam::AddScan(const LaserScan& scan) {
   Stopwatch stopwatch;
   const PlanarScan planar = ProjectLaserScan(scan, options_.projection);
   result.project_ms = stopwatch.Lap();
-  AddPlanarScan(planar, planar.points, Predict(scan.stamp), &result);
+  AddPlanarScan(planar, planar.points, PredictScan(scan.stamp, scan.odometry), &result);
+  if (result.status != ScanStatus::kSkipped) wheels_.Commit(scan.odometry, result.is_keyframe);
   return result;
 }
 
@@ -104,7 +109,7 @@ ScanResult Slam::AddScan(const LidarSweep& sweep) {
   result.stamp = sweep.Middle();
   if (IsOutOfOrder(&result)) return result;
   Stopwatch stopwatch;
-  const SE2 prediction = Predict(result.stamp);
+  const Prediction prediction = PredictScan(result.stamp, std::nullopt);
   PlanarVelocity velocity = Velocity();
   if (sweep.is_duration_guessed && sweep.duration > 0.0) {
     if (!duration_guess_) {
@@ -115,7 +120,7 @@ ScanResult Slam::AddScan(const LidarSweep& sweep) {
     const double share = duration_ / sweep.duration;
     velocity = {share * velocity.linear, share * velocity.angular};
   }
-  ReducedSweep reduced = reducer_.Reduce(sweep, prediction, velocity);
+  ReducedSweep reduced = reducer_.Reduce(sweep, prediction.pose, velocity);
   result.tilt = reduced.tilt;
   result.has_ground = reduced.has_ground;
   result.num_moving = reduced.num_moving;
@@ -144,8 +149,8 @@ bool Slam::IsOutOfOrder(ScanResult* result) const {
   return true;
 }
 
-void Slam::AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vector2f>& to_match, const SE2& prediction,
-                         ScanResult* result_out) {
+void Slam::AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vector2f>& to_match,
+                         const Prediction& prediction, ScanResult* result_out) {
   ScanResult& result = *result_out;
   Stopwatch stopwatch;
   const bool is_first = keyframes_.empty();
@@ -154,14 +159,17 @@ void Slam::AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vect
     return;
   }
   const SE2 last_pose = is_first ? SE2() : WindowPose(scans_.back()).pose;
-  const Eigen::Vector3d sigma = PredictionSigma(planar.stamp);
-  const TrackingResult tracked = tracker_.Track(to_match, last_pose, prediction, scans_.size() > 1, sigma);
+  const TrackingResult tracked = tracker_.Track(to_match, last_pose, prediction.pose, prediction.knows_velocity,
+                                                prediction.sigma, prediction.since_scan.has_value());
   result.match = tracked.match;
   result.searched_wide = tracked.searched_wide;
   result.status = is_first || IsUsable(tracked.match.verdict) ? ScanStatus::kMatched : ScanStatus::kPredicted;
   if (result.status == ScanStatus::kPredicted) result.reason = ToString(tracked.match.verdict);
-  if (tracked.insert && scans_.size() > 1) {
-    motion_noise_.Add(last_pose, prediction, tracked.match.pose, tracked.match.information);
+  const bool is_clean = tracked.insert && IsUsable(tracked.match.verdict);
+  if (is_clean && prediction.since_scan) {
+    wheels_.Learn(*prediction.since_scan, last_pose.Inverse() * tracked.match.pose, tracked.match.information);
+  } else if (is_clean && scans_.size() > 1) {
+    motion_noise_.Add(last_pose, prediction.pose, tracked.match.pose, tracked.match.information);
   }
   result.match_ms = stopwatch.Lap();
 
@@ -170,13 +178,11 @@ void Slam::AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vect
                                       {result.stamp, tracked.match.pose});
   if (!result.is_keyframe) {
     const KeyframeId last = keyframes_.back().id;
-    result.T_odom_base = Fuse(prediction, sigma, tracked.match);
+    result.T_odom_base = Fuse(prediction.pose, prediction.sigma, tracked.match);
     scans_.push_back({result.stamp, last, window_.Pose(last).Inverse() * result.T_odom_base, {}, {}, {}, {}, {}});
     return;
   }
-  // The second scan's prediction is that the robot stands, which is not worth holding on to.
-  const SE2& expected = scans_.size() == 1 ? tracked.match.pose : prediction;
-  result.T_odom_base = Smooth(planar, expected, sigma, tracked);
+  result.T_odom_base = Smooth(planar, prediction, tracked);
   result.is_inserted = keyframes_.back().is_inserted;
   result.window_ms = stopwatch.Lap();
   scans_.push_back({result.stamp, keyframes_.back().id, SE2(), {}, {}, {}, {}, {}});
@@ -194,6 +200,17 @@ SE2 Slam::Predict(double stamp) const {
   if (scans_.empty()) return SE2();
   if (scans_.size() == 1) return WindowPose(scans_.back()).pose;
   return PredictPose(WindowPose(scans_[scans_.size() - 2]), WindowPose(scans_.back()), stamp, options_.motion);
+}
+
+Slam::Prediction Slam::PredictScan(double stamp, const std::optional<SE2>& odometry) const {
+  Prediction prediction{Predict(stamp), PredictionSigma(stamp), scans_.size() > 1, wheels_.SinceScan(odometry),
+                        wheels_.SinceKeyframe(odometry)};
+  if (prediction.since_scan) {
+    prediction.pose = WindowPose(scans_.back()).pose * prediction.since_scan->motion;
+    prediction.sigma = prediction.since_scan->sigma.cwiseMin(options_.motion.GreatestSigma());
+    prediction.knows_velocity = true;
+  }
+  return prediction;
 }
 
 Eigen::Vector3d Slam::PredictionSigma(double stamp) const {
@@ -214,8 +231,7 @@ PlanarVelocity Slam::Velocity() const {
   return velocity;
 }
 
-SE2 Slam::Smooth(const PlanarScan& scan, const SE2& prediction, const Eigen::Vector3d& prediction_sigma,
-                 const TrackingResult& tracked) {
+SE2 Slam::Smooth(const PlanarScan& scan, const Prediction& prediction, const TrackingResult& tracked) {
   const KeyframeId id{static_cast<int>(keyframes_.size())};
   const bool is_first = keyframes_.empty();
   window_.AddNode(id, tracked.match.pose);
@@ -228,15 +244,22 @@ SE2 Slam::Smooth(const PlanarScan& scan, const SE2& prediction, const Eigen::Vec
     window_.AddPrior(id, kAnchorInformation * Eigen::Matrix3d::Identity());
   } else {
     const KeyframeId last = keyframes_.back().id;
-    Constraint motion{last, id, window_.Pose(last).Inverse() * prediction, MotionInformation(prediction_sigma),
-                      Constraint::Kind::kMotion};
-    window_.AddConstraint(motion);
-    // It was derived from earlier matches. Over the whole run these say more once they are corrected by later ones, and
-    // the motion counts only where the match leaves something open.
-    if (tracked.match.verdict == MatchVerdict::kAccepted) {
-      motion.information = MotionInformation(options_.motion.GreatestSigma());
+    if (prediction.since_keyframe) {
+      add({last, id, prediction.since_keyframe->motion, MotionInformation(prediction.since_keyframe->sigma),
+           Constraint::Kind::kMotion});
+    } else {
+      // That a robot stands which may well drive is not worth holding on to.
+      const SE2& expected = prediction.knows_velocity ? prediction.pose : tracked.match.pose;
+      Constraint motion{last, id, window_.Pose(last).Inverse() * expected, MotionInformation(prediction.sigma),
+                        Constraint::Kind::kMotion};
+      window_.AddConstraint(motion);
+      // It was derived from earlier matches. Over the whole run these say more once they are corrected by later ones,
+      // and the motion counts only where the match leaves something open.
+      if (tracked.match.verdict == MatchVerdict::kAccepted) {
+        motion.information = MotionInformation(options_.motion.GreatestSigma());
+      }
+      graph_.AddConstraint(motion);
     }
-    graph_.AddConstraint(motion);
   }
   for (const TrackingResult::Measurement& measurement : tracked.measurements) {
     add({measurement.submap, id, measurement.T_submap_base, measurement.information, Constraint::Kind::kSubmap});

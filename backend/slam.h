@@ -25,6 +25,7 @@
 #include "frontend/tracking/sweep_duration.h"
 #include "frontend/tracking/sweep_reducer.h"
 #include "frontend/tracking/tracker.h"
+#include "frontend/tracking/wheel_odometry.h"
 
 namespace arborslam {
 
@@ -106,10 +107,20 @@ class Slam {
 
   // True, with a reason, for a scan that comes too late.
   bool IsOutOfOrder(ScanResult* result) const;
+  // Where a scan is taken to be before it is matched.
+  struct Prediction {
+    SE2 pose;                                // T_odom_base.
+    Eigen::Vector3d sigma;                   // [m, m, rad], its standard deviations.
+    bool knows_velocity;                     // False: it takes a robot to stand that may well drive.
+    std::optional<OdometryStep> since_scan;  // Of the wheels, on which it then rests.
+    std::optional<OdometryStep> since_keyframe;
+  };
+  // By the wheels where there are any, else by the motion model.
+  Prediction PredictScan(double stamp, const std::optional<SE2>& odometry) const;
   // Tracks a scan from `prediction`: fills the rest of `result`.
   // `to_match` [m, base frame]: those of its points by which it is matched.
-  void AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vector2f>& to_match, const SE2& prediction,
-                     ScanResult* result);
+  void AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vector2f>& to_match,
+                     const Prediction& prediction, ScanResult* result);
   // The planar velocity between the last two scans.
   PlanarVelocity Velocity() const;
   // Learns from a sweep how long sweeps last.
@@ -127,8 +138,7 @@ class Slam {
   // Standard deviations [m, m, rad] of that.
   Eigen::Vector3d PredictionSigma(double stamp) const;
   // Makes the scan a variable of window and graph, with all that was measured about it; returns its smoothed pose.
-  SE2 Smooth(const PlanarScan& scan, const SE2& prediction, const Eigen::Vector3d& prediction_sigma,
-             const TrackingResult& tracked);
+  SE2 Smooth(const PlanarScan& scan, const Prediction& prediction, const TrackingResult& tracked);
   // Puts the latest keyframe's scan into the active submaps, and new submaps into window and graph.
   void InsertIntoSubmaps();
   // Marginalises what is too old for the window.
@@ -139,6 +149,7 @@ class Slam {
   Matcher matcher_;
   SweepReducer reducer_;
   MotionNoise motion_noise_;
+  WheelOdometry wheels_;
   Tracker tracker_;
   SlidingWindow window_;
   PoseGraph graph_;

@@ -18,6 +18,7 @@
 #include "frontend/tracking/motion_model.h"
 #include "frontend/tracking/sweep_reducer.h"
 #include "frontend/tracking/tracker.h"
+#include "frontend/tracking/wheel_odometry.h"
 
 namespace arborslam {
 
@@ -40,6 +41,7 @@ struct SlamOptions {
   MovingObjectOptions dynamic;
   CompactThingOptions compact;
   MotionOptions motion;
+  OdometryOptions odometry;
   OccupancyGridOptions grid;
   MhdOptions mhd;
   MatcherOptions matcher;
@@ -60,6 +62,7 @@ struct SlamOptions {
     visit("dynamic", dynamic);
     visit("compact", compact);
     visit("motion", motion);
+    visit("odometry", odometry);
     visit("grid", grid);
     visit("mhd", mhd);
     visit("matcher", matcher);

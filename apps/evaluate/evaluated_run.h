@@ -9,6 +9,7 @@
 
 #include "core/evaluation/association.h"
 #include "core/evaluation/map_metrics.h"
+#include "core/evaluation/relations.h"
 #include "core/evaluation/trajectory_metrics.h"
 #include "core/geometry/se2.h"
 
@@ -30,10 +31,18 @@ struct EvaluatedMap {
   MapMetrics metrics;
 };
 
-/// What was given of one run; at least one of trajectory and map.
+/// One estimated trajectory against relations.
+struct EvaluatedRelations {
+  std::string estimate_path;
+  std::string relations_path;
+  RelationMetrics metrics;
+};
+
+/// What was given of one run; at least one of trajectory, relations and map.
 struct EvaluatedRun {
   std::string label;
   std::optional<EvaluatedTrajectory> trajectory;
+  std::optional<EvaluatedRelations> relations;
   std::optional<EvaluatedMap> map;
   std::optional<nlohmann::json> offline_summary;  ///< As `ReadOfflineSummary` returns it.
 };
@@ -48,7 +57,7 @@ struct Figure {
   std::function<std::optional<double>(const EvaluatedRun&)> value;
 };
 
-/// All figures: path length, `MetricFields`, `MapMetricFields` and `OfflineFields`.
+/// All figures: path length, `MetricFields`, those of `RelationMetrics`, `MapMetricFields` and `OfflineFields`.
 const std::vector<Figure>& AllFigures();
 
 /// Those of `AllFigures` that can be had of `runs`: their sources were given, though a figure may be absent from all.

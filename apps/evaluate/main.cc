@@ -19,6 +19,7 @@
 #include "core/evaluation/alignment.h"
 #include "core/evaluation/association.h"
 #include "core/evaluation/map_metrics.h"
+#include "core/evaluation/relations.h"
 #include "core/evaluation/trajectory_metrics.h"
 #include "core/evaluation/trajectory_plot.h"
 #include "core/io/atomic_file.h"
@@ -38,7 +39,8 @@ namespace arborslam {
 namespace {
 
 constexpr char kUsage[] =
-    R"(usage: arborslam_evaluate [--estimate FILE ... --reference FILE ...] [--map FILE ... --map_reference FILE ...] [flags]
+    R"(usage: arborslam_evaluate [--estimate FILE ... --reference FILE ... --relations FILE ...]
+                          [--map FILE ... --map_reference FILE ...] [flags]
 
 Compares estimated trajectories (TUM text or Pullally .npz) and occupancy maps with their references and prints the
 errors; several runs get a row each and their mean +- 1.96 sd / sqrt(N).
@@ -53,6 +55,8 @@ errors; several runs get a row each and their mean +- 1.96 sd / sqrt(N).
                                   none    not at all
   --max_time_difference S       seconds between the stamps of poses that belong together (default 0.02)
   --interpolate S               interpolate the reference across gaps of up to S seconds (default 0: never)
+  --relations FILE [FILE ...]   relative poses t1 t2 x y z roll pitch yaw (Kuemmerle et al. 2009) to hold the estimates
+                                against, one file for each or one for all; with or instead of --reference
   --map FILE [FILE ...]         map.yaml to judge (ROS map_server), one a run; moved as its trajectory is by --align,
                                 in the plane (se3: as by se2), or compared as it lies if there is none
   --map_reference FILE [...]    their references, or one for all: precision, sensitivity and accuracy on its grid
@@ -84,14 +88,19 @@ bool IsGiven(const MultiFlags& files, const std::string& name) { return !files.a
 
 // One flag of a pair asks for both. Nothing at all is taken for a trajectory that is missing.
 bool WantsMaps(const MultiFlags& files) { return IsGiven(files, "map") || IsGiven(files, "map_reference"); }
+bool WantsRelations(const MultiFlags& files) { return IsGiven(files, "relations"); }
 bool WantsTrajectories(const MultiFlags& files) {
-  return IsGiven(files, "estimate") || IsGiven(files, "reference") || !WantsMaps(files);
+  if (IsGiven(files, "reference")) return true;
+  return !WantsRelations(files) && (IsGiven(files, "estimate") || !WantsMaps(files));
 }
 
-size_t NumRuns(const MultiFlags& files) { return files.at(WantsTrajectories(files) ? "estimate" : "map").size(); }
+size_t NumRuns(const MultiFlags& files) {
+  return files.at(WantsTrajectories(files) || WantsRelations(files) ? "estimate" : "map").size();
+}
 
 void CheckFlags(const MultiFlags& files) {
   if (WantsTrajectories(files)) CheckReferences(files, "estimate", "reference");
+  if (WantsRelations(files)) CheckReferences(files, "estimate", "relations");
   if (WantsMaps(files)) CheckReferences(files, "map", "map_reference");
   for (const char* name : {"map", "summary", "labels"}) {
     const size_t count = files.at(name).size();
@@ -133,6 +142,13 @@ EvaluatedTrajectory EvaluateTrajectoryFiles(const std::string& estimate_path, co
   return trajectory;
 }
 
+EvaluatedRelations EvaluateRelationFiles(const std::string& estimate_path, const std::string& relations_path,
+                                         const EvaluationSettings& settings) {
+  return {estimate_path, relations_path,
+          EvaluateRelations(ReadTrajectory(estimate_path), ReadRelations(relations_path),
+                            settings.association.max_time_difference, estimate_path + " against " + relations_path)};
+}
+
 // The motion of the plane that lays a map on its reference as its trajectory is laid on that's.
 SE2 PlanarAlignment(const std::optional<EvaluatedTrajectory>& trajectory, AlignmentKind kind) {
   if (!trajectory) return SE2();
@@ -155,6 +171,9 @@ EvaluatedRun EvaluateRun(const MultiFlags& files, size_t index, const Evaluation
   run.label = IsGiven(files, "labels") ? files.at("labels")[index] : std::to_string(index + 1);
   if (WantsTrajectories(files)) {
     run.trajectory = EvaluateTrajectoryFiles(files.at("estimate")[index], Nth(files, "reference", index), settings);
+  }
+  if (WantsRelations(files)) {
+    run.relations = EvaluateRelationFiles(files.at("estimate")[index], Nth(files, "relations", index), settings);
   }
   if (WantsMaps(files)) {
     run.map = EvaluateMapFiles(files.at("map")[index], Nth(files, "map_reference", index),
@@ -214,7 +233,7 @@ void CheckOutputs(const MultiFlags& files) {
         throw UsageError(outputs[k].first + " and " + flag + " are both '" + output + "'; choose two names");
       }
     }
-    for (const char* input_flag : {"estimate", "reference", "map", "map_reference", "summary"}) {
+    for (const char* input_flag : {"estimate", "reference", "relations", "map", "map_reference", "summary"}) {
       for (const std::string& input : files.at(input_flag)) {
         std::error_code missing;
         if (std::filesystem::equivalent(output, input, missing)) {
@@ -259,9 +278,10 @@ int Run(const MultiFlags& files) {
 }  // namespace arborslam
 
 int main(int argc, char** argv) {
-  return arborslam::RunProgram({"arborslam_evaluate",
-                                arborslam::kUsage,
-                                __FILE__,
-                                {"estimate", "reference", "map", "map_reference", "summary", "columns", "labels"}},
-                               argc, argv, &arborslam::Run);
+  return arborslam::RunProgram(
+      {"arborslam_evaluate",
+       arborslam::kUsage,
+       __FILE__,
+       {"estimate", "reference", "relations", "map", "map_reference", "summary", "columns", "labels"}},
+      argc, argv, &arborslam::Run);
 }

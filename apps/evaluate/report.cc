@@ -52,6 +52,10 @@ std::string MatchedText(const EvaluatedTrajectory& trajectory) {
          std::to_string(association.unmatched_reference) + " of the reference";
 }
 
+std::string RelationsText(const RelationMetrics& metrics) {
+  return std::to_string(metrics.num_matched) + " of " + std::to_string(metrics.num_relations) + " relations";
+}
+
 std::string MapText(const MapMetrics& metrics) {
   return std::to_string(metrics.estimated_occupied) + " occupied cells, " + std::to_string(metrics.estimated_right) +
          " right, " + std::to_string(metrics.false_positives) + " false, " + std::to_string(metrics.outside) +
@@ -80,6 +84,11 @@ std::string FormatOneRun(const EvaluatedRun& run, const std::vector<Figure>& fig
     text += "reference    " + run.trajectory->reference_path + "\n";
     text += "matched      " + MatchedText(*run.trajectory) + "\n";
     text += "alignment    " + Describe(settings.alignment) + "\n";
+  }
+  if (run.relations) {
+    text += "estimate     " + run.relations->estimate_path + "\n";
+    text += "relations    " + run.relations->relations_path + "\n";
+    text += "matched      " + RelationsText(run.relations->metrics) + "\n";
   }
   if (run.map) {
     text += "map          " + run.map->map_path + "\n";
@@ -117,6 +126,10 @@ std::string FormatManyRuns(const std::vector<EvaluatedRun>& runs, const std::vec
       text += "run " + run.label + "      " + run.trajectory->estimate_path + " against " +
               run.trajectory->reference_path + ": " + MatchedText(*run.trajectory) + "\n";
     }
+    if (run.relations) {
+      text += "run " + run.label + "      " + run.relations->estimate_path + " against " +
+              run.relations->relations_path + ": " + RelationsText(run.relations->metrics) + "\n";
+    }
     if (run.map) {
       text += "run " + run.label + "      " + run.map->map_path + " against " + run.map->reference_path + ": " +
               MapText(run.map->metrics) + "\n";
@@ -146,6 +159,9 @@ std::string FormatManyRuns(const std::vector<EvaluatedRun>& runs, const std::vec
     text += "e: mean error, RMS: its root mean square; p: position, th: heading, dp: step length, dth: step rotation, ";
     text += "rol: roll,\npit: pitch, 3d: position in space. ";
     text += "ATE, ATE_med, ATE_max: RMSE, median and maximum after SE(2) alignment.\n";
+  }
+  if (runs.front().relations) {
+    text += "rel_t, rel_r: mean amounts of the errors of relative poses (Kuemmerle et al. 2009).\n";
   }
   if (runs.front().map) text += "m_prec, m_sens, m_acc: precision, sensitivity and accuracy of the map.\n";
   if (runs.front().offline_summary) {
@@ -206,6 +222,13 @@ nlohmann::ordered_json RunToJson(const EvaluatedRun& run, const std::vector<Figu
       json["T_reference_estimate"].push_back({T(row, 0), T(row, 1), T(row, 2), T(row, 3)});
     }
     json["z_offset_m"] = run.trajectory->evaluation.z_offset;
+  }
+  if (run.relations) {
+    const RelationMetrics& metrics = run.relations->metrics;
+    json["relations"] = {{"estimate", run.relations->estimate_path},
+                         {"relations", run.relations->relations_path},
+                         {"matched_relations", metrics.num_matched},
+                         {"unmatched_relations", metrics.num_relations - metrics.num_matched}};
   }
   if (run.map) json["map"] = MapToJson(*run.map);
   for (const Figure& figure : figures) json[figure.key] = NumberOrNull(figure.value(run));

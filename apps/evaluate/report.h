@@ -38,6 +38,7 @@ std::string FormatMarkdown(const std::vector<EvaluatedRun>& runs, const std::vec
 ///     matched_poses, unmatched_estimate_poses, unmatched_reference_poses
 ///     T_reference_estimate      4 rows of 4: the alignment
 ///     z_offset_m                added to the estimate's z before heights are compared
+///     relations                 with relations: estimate, relations (paths), matched_relations, unmatched_relations
 ///     map                       with maps: map, reference, T_reference_map (x, y, yaw) and the counts of `MapMetrics`
 ///     position_mean_m, ...      the figures of `FiguresOf`; null where not defined
 ///   summary                     by the key of the figure: runs (N), mean, half_width_95 (1.96 sd / sqrt(N), null for

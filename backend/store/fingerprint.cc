@@ -39,6 +39,10 @@ uint64_t FingerprintOf(const Scan& scan) {
   if (const auto* planar = std::get_if<LaserScan>(&scan)) {
     hash.Add(&planar->stamp, sizeof(double));
     hash.Add(planar->ranges.data(), planar->ranges.size() * sizeof(float));
+    if (planar->odometry) {
+      const Eigen::Vector3d odometry = planar->odometry->vector();
+      hash.Add(odometry.data(), 3 * sizeof(double));
+    }
   } else {
     const auto& sweep = std::get<LidarSweep>(scan);
     hash.Add(&sweep.start, sizeof(double));

@@ -131,6 +131,9 @@ class BinaryReader {
     if (!condition) Fail(problem);
   }
 
+  /// True if all bytes have been read.
+  bool AtEnd() const { return bytes_.empty(); }
+
   /// Throws `UserError` unless all bytes have been read.
   void CheckEnd() const { Check(bytes_.empty(), "there is more than expected"); }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/io/carmen.h"
 #include "core/io/input_file.h"
 #include "core/io/npz.h"
 #include "core/io/pullally.h"
@@ -18,7 +19,8 @@ namespace {
 
 constexpr char kSupported[] =
     "give a folder of 3D sweeps (*.bin as KITTI's, *.pcd or *.ply, in it or in clouds/, velodyne/ or "
-    "velodyne_points/data/; with timestamps.txt), or a NumPy zip (.npz) of planar scans ('scan0', 'time')";
+    "velodyne_points/data/; with timestamps.txt), a NumPy zip (.npz) of planar scans ('scan0', 'time') or a CARMEN log "
+    "(FLASER, ROBOTLASER1)";
 
 // What lies in a folder, for a message: "2 folders, 3 .bag, 1 .txt", the most frequent kinds first.
 std::string ContentsText(const std::string& path) {
@@ -54,6 +56,7 @@ std::unique_ptr<ScanSource> OpenScanSource(const std::string& path, const SweepF
     }
     return std::make_unique<PullallyScanSource>(path);
   }
+  if (CarmenScanSource::Recognises(path)) return std::make_unique<CarmenScanSource>(path);
   if (SweepFolder::Recognises(path)) return std::make_unique<SweepFolder>(path, options);
   throw UserError(path,
                   is_folder ? "is a folder without a recording of a known format (it " + ContentsText(path) + ")"

@@ -1,7 +1,10 @@
 #ifndef ARBORSLAM_CORE_SENSOR_LASER_SCAN_H_
 #define ARBORSLAM_CORE_SENSOR_LASER_SCAN_H_
 
+#include <optional>
 #include <vector>
+
+#include "core/geometry/se2.h"
 
 namespace arborslam {
 
@@ -11,6 +14,9 @@ struct LaserScan {
   double bearing_min = 0.0;        ///< [rad], bearing of ranges[0].
   double bearing_increment = 0.0;  ///< [rad] between neighbouring beams.
   std::vector<float> ranges;       ///< [m], one per beam; infinite or NaN where nothing came back.
+  /// Where the wheels say the lidar is, T_wheels_lidar, in a frame of their own that drifts: only the motion from scan
+  /// to scan means something. Nothing when the recording has no wheel odometry.
+  std::optional<SE2> odometry;
 
   double Bearing(size_t beam) const { return bearing_min + bearing_increment * static_cast<double>(beam); }
 };

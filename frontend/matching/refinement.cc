@@ -169,8 +169,8 @@ class Refiner {
     const double fixed_limit = kMaxFixedRatio * strength.maxCoeff();
     if (strength.minCoeff() > fixed_limit) return;
 
-    const Eigen::Matrix3d slope =
-        ForceSlope(target_, points_, pose, mhd_options_, {options_.robust_scale, kDegeneracySteps * options_.covariance_step});
+    const Eigen::Matrix3d slope = ForceSlope(target_, points_, pose, mhd_options_,
+                                             {options_.robust_scale, kDegeneracySteps * options_.covariance_step});
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(to_metres.asDiagonal() * slope * to_metres.asDiagonal());
     const double limit = options_.min_information_ratio * eigen.eigenvalues()(2);
     for (int i = 0; i < 3 && eigen.eigenvalues()(i) <= limit; ++i) {

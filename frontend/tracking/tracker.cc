@@ -25,6 +25,9 @@ constexpr double kMinNearRotation = 0.06;
 constexpr double kKnownShare = 0.8;
 // [m], standard deviation of a prediction that places a degenerate scan: scans come so fast that others show the same.
 constexpr double kSureTranslation = 0.2;
+// Share of a scan's points that lie on the map, up to which it mostly shows what is new: no more than the MHD leaves
+// out.
+constexpr double kSeenShare = 0.7;
 // Of the penalty for lying off the prediction, what is left when the robot's velocity is not known.
 constexpr double kTieBreak = 0.1;
 // A wide search must do this much better than the near one to be believed.
@@ -80,14 +83,17 @@ Tracker::Tracker(const TrackerOptions& options, const OccupancyGridOptions& grid
       matcher_(matcher) {}
 
 TrackingResult Tracker::Track(const std::vector<Eigen::Vector2f>& points, const SE2& last_pose, const SE2& prediction,
-                              bool knows_velocity, const Eigen::Vector3d& sigma) {
+                              bool knows_velocity, const Eigen::Vector3d& sigma, bool by_wheels) {
   TrackingResult result;
   result.match.pose = prediction;
   result.match.num_points = static_cast<int>(points.size());
   if (active_.empty()) return result;
   float reach = 0.0f;
   for (const Eigen::Vector2f& point : points) reach = std::max(reach, point.squaredNorm());
-  const double wide_translation = options_.wide_translation * std::min(1 + num_lost_, kMaxWideGrowth);
+  const int growth = std::min(1 + num_lost_, kMaxWideGrowth);
+  const double wide_translation = growth * (by_wheels ? options_.near_translation : options_.wide_translation);
+  const double wide_rotation =
+      by_wheels ? std::min(growth * options_.near_rotation, options_.wide_rotation) : options_.wide_rotation;
   const double scan_reach = std::sqrt(reach) + wide_translation;
 
   ActiveSubmap& older = active_.front();
@@ -108,20 +114,22 @@ TrackingResult Tracker::Track(const std::vector<Eigen::Vector2f>& points, const 
   if (match.verdict != MatchVerdict::kTooFewPoints && match.score > options_.wide_score) {
     // Once lost, the last pose says little, and only a clean match is believed.
     const bool is_lost = num_lost_ > 0;
-    const SearchWindow wide{wide_translation, options_.wide_rotation, options_.wide_rotation_step,
+    const SearchWindow wide{wide_translation, wide_rotation, options_.wide_rotation_step,
                             is_lost ? SearchPenalty{} : penalty};
+    const SE2 wide_center = by_wheels ? T_submap_prediction : older.T_odom_submap.Inverse() * last_pose;
     const double max_cost = is_lost ? options_.max_insert_score : kWideGain * match.cost;
-    const MatchResult wide_match =
-        matcher_.MatchBetter(target, points, older.T_odom_submap.Inverse() * last_pose, wide, max_cost);
+    const MatchResult wide_match = matcher_.MatchBetter(target, points, wide_center, wide, max_cost);
     result.searched_wide = true;
     if (wide_match.cost < match.cost) match = wide_match;
   }
   const SE2 T_submap_base = match.pose;
   result.match = match;
   result.match.pose = IsUsable(match.verdict) ? older.T_odom_submap * T_submap_base : prediction;
-  num_lost_ = IsUsable(match.verdict) ? 0 : num_lost_ + 1;
-  if (num_lost_ > 0) return result;
-  result.insert = match.score <= options_.max_insert_score;
+  const bool is_new_ground =
+      by_wheels && match.verdict != MatchVerdict::kTooFewPoints && match.inlier_ratio < kSeenShare;
+  result.insert = is_new_ground || (IsUsable(match.verdict) && match.score <= options_.max_insert_score);
+  num_lost_ = IsUsable(match.verdict) || is_new_ground ? 0 : num_lost_ + 1;
+  if (!IsUsable(match.verdict)) return result;
   result.adds_nothing = match.verdict == MatchVerdict::kDegenerate && match.inlier_ratio >= kKnownShare &&
                         sigma.head<2>().maxCoeff() <= kSureTranslation;
   result.measurements.push_back({older.id, T_submap_base, match.information});

@@ -68,7 +68,7 @@ struct TrackingResult {
   /// Best match, to the older active submap; `pose` is T_odom_base.
   MatchResult match;
   bool searched_wide = false;
-  bool insert = false;  ///< Clean enough to become part of the maps.
+  bool insert = false;  ///< Clean enough to become part of the maps; see `by_wheels` for one that is not usable.
   /// Degenerate, and the maps hold nearly all that it shows: put into them, it would confirm the prediction that placed
   /// it.
   bool adds_nothing = false;
@@ -93,8 +93,14 @@ class Tracker {
   ///                       it is searched for in all of the wide translation, without preferring to stand.
   /// @param sigma          standard deviations [m, m, rad] of the prediction, see `MotionNoise`: the first search goes
   ///                       no farther than needed.
+  /// @param by_wheels      `prediction` is measured. Then the second search goes around it as well, and not farther
+  /// than
+  ///                       the near window's greatest size, growing as above: farther off, only another place would
+  ///                       match. A scan most of which meets nothing known shows new ground, as behind a corner, and is
+  ///                       put into the maps where it is predicted.
   TrackingResult Track(const std::vector<Eigen::Vector2f>& points, const SE2& last_pose, const SE2& prediction,
-                       bool knows_velocity = true, const Eigen::Vector3d& sigma = Eigen::Vector3d::Ones());
+                       bool knows_velocity = true, const Eigen::Vector3d& sigma = Eigen::Vector3d::Ones(),
+                       bool by_wheels = false);
 
   /// True if a scan at `pose` is far enough in space or time from the last keyframe to become one itself.
   bool IsKeyframe(const StampedPose& last_keyframe, const StampedPose& pose) const;

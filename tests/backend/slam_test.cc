@@ -376,5 +376,70 @@ TEST(SlamTest, InACorridorTheSpeedGoesOn) {
   EXPECT_GE(num_degenerate, 20u);
 }
 
+// Wheels that run 3 % long and turn a little: what they say of the way along a corridor, where scans say nothing, is
+// kept, and their turning is not.
+TEST(SlamTest, InACorridorTheWheelsTellTheWay) {
+  PlanarCorridorOptions options;
+  options.num_scans = 60;
+  const PlanarCorridor corridor(options);
+  std::vector<LaserScan> scans;
+  SE2 wheels(7.0, -4.0, 2.0);  // Their frame is their own.
+  for (size_t i = 0; i < corridor.NumScans(); ++i) {
+    scans.push_back(corridor.Scan(i));
+    scans.back().odometry = wheels;
+    wheels = wheels * SE2(1.03 * options.step, 0.0, 0.004);
+  }
+  const Outcome run = Process(scans);
+  ASSERT_EQ(run.trajectory.size(), scans.size());
+  for (size_t i = 1; i < scans.size(); ++i) {
+    const double way = 1.03 * corridor.TruePose(i).x();
+    for (const SE2& pose : {run.scans[i].T_odom_base, run.trajectory[i].pose}) {
+      EXPECT_NEAR(pose.x(), way, 0.02 + 0.005 * way) << i;
+      EXPECT_LT(std::abs(pose.y()), 0.04) << i;
+      EXPECT_LT(std::abs(pose.theta()), 0.02) << i;
+    }
+  }
+  // Switched off, there is no motion to be seen.
+  SlamOptions without;
+  without.odometry.enabled = false;
+  EXPECT_LT(std::abs(Process(scans, 1, without).trajectory.back().pose.x()), 0.1);
+}
+
+// Where scans tell everything, wheels that run a tenth long and slip do little harm.
+TEST(SlamTest, PoorWheelsDoNotSpoilAGoodMatch) {
+  const PlanarOrchard orchard(QuietOrchardOptions());
+  std::vector<LaserScan> scans = ScansOf(orchard);
+  Random random(8);
+  SE2 wheels;
+  for (size_t i = 0; i < scans.size(); ++i) {
+    if (i > 0) {
+      const SE2 step = orchard.TruePose(i - 1).Inverse() * orchard.TruePose(i);
+      wheels = wheels * step *
+               SE2(0.1 * step.x() + 0.02 * random.Gaussian(), 0.02 * random.Gaussian(), 0.03 * random.Gaussian());
+    }
+    scans[i].odometry = wheels;
+  }
+  double greatest_wheel_error = 0.0;
+  for (size_t i = 0; i < scans.size(); ++i) {
+    const SE2 truth = orchard.TruePose(0).Inverse() * orchard.TruePose(i);
+    greatest_wheel_error =
+        std::max(greatest_wheel_error, (scans[i].odometry->translation() - truth.translation()).norm());
+  }
+  EXPECT_GT(greatest_wheel_error, 2.0);
+  const auto greatest_error = [&](const SlamOptions& options) {
+    const Outcome run = Process(scans, 1, options);
+    EXPECT_EQ(run.trajectory.size(), scans.size());
+    double greatest = 0.0;
+    for (size_t i = 0; i < run.trajectory.size(); ++i) {
+      const SE2 truth = orchard.TruePose(0).Inverse() * orchard.TruePose(i);
+      greatest = std::max(greatest, (run.trajectory[i].pose.translation() - truth.translation()).norm());
+    }
+    return greatest;
+  };
+  SlamOptions without;
+  without.odometry.enabled = false;
+  EXPECT_LT(greatest_error(SlamOptions()), greatest_error(without) + 0.1);
+}
+
 }  // namespace
 }  // namespace arborslam

@@ -355,6 +355,31 @@ TEST_F(EvaluateTest, InterpolatesAcrossGapsWhenAsked) {
             100);
 }
 
+TEST_F(EvaluateTest, RelationsAloneAndWithAReference) {
+  Write("a.tum", "1 0 0 0 0 0 0 1\n2 1.3 0 0 0 0 0 1\n3 2.4 0 0 0 0 0 1\n");
+  Write("a.relations", "1 2 1 0 0 0 0 0\n2 3 1 0 0 0 0 0\n8 9 1 0 0 0 0 0\n");
+  const Outcome alone = Run("--estimate a.tum --relations a.relations --json result.json");
+  EXPECT_EQ(alone.exit_code, 0) << alone.err;
+  EXPECT_NE(alone.out.find("2 of 3 relations"), std::string::npos) << alone.out;
+  const nlohmann::json json = nlohmann::json::parse(std::ifstream(Path("result.json")));
+  EXPECT_NEAR(json["runs"][0]["relations_translation_mean_m"].get<double>(), 0.2, 1e-9);
+  EXPECT_NEAR(json["runs"][0]["relations_translation_sd_m"].get<double>(), 0.1, 1e-9);
+  EXPECT_NEAR(json["runs"][0]["relations_rotation_mean_deg"].get<double>(), 0.0, 1e-9);
+  EXPECT_EQ(json["runs"][0]["relations"]["matched_relations"], 2);
+  EXPECT_EQ(json["runs"][0]["relations"]["unmatched_relations"], 1);
+  const Outcome both =
+      Run("--estimate a.tum --reference a.tum --relations a.relations --columns "
+          "relations_translation_max_m ate_se2_rmse_m");
+  EXPECT_EQ(both.exit_code, 0) << both.err;
+  EXPECT_NE(both.out.find("0.3000 m"), std::string::npos) << both.out;
+  const Outcome two = Run("--estimate a.tum a.tum --relations a.relations");
+  EXPECT_NE(two.out.find("rel_t"), std::string::npos) << two.out;
+  ExpectError("--relations a.relations", 2, "--estimate FILE is missing");
+  ExpectError("--estimate a.tum a.tum --relations a.relations a.relations a.relations", 2, "3 files for 2");
+  ExpectError("--estimate a.tum --relations missing.relations", 1, "does not exist");
+  ExpectError("--estimate a.tum --relations a.relations --json a.relations", 2, "written over the file of --relations");
+}
+
 TEST_F(EvaluateTest, CommandLinesThatCannotBeUsed) {
   WriteLoop("a.tum");
   ExpectError("", 2, "--estimate FILE is missing");

@@ -192,6 +192,27 @@ TEST_F(SessionTest, GoesOnToTheSameBitsFromAnyScan) {
   }
 }
 
+TEST_F(SessionTest, GoesOnWithWheelOdometry) {
+  std::vector<Scan> scans = PlanarScans();
+  SE2 wheels(1.0, 2.0, 3.0);
+  for (size_t i = 0; i < scans.size(); ++i) {
+    // Some scans have none.
+    if (i % 11 != 5) std::get<LaserScan>(scans[i]).odometry = wheels;
+    wheels = wheels * SE2(0.27, 0.01, 0.02);
+  }
+  Slam whole(SlamOptions(), 1);
+  for (const Scan& scan : scans) whole.AddScan(std::get<LaserScan>(scan));
+  whole.Finish(false);
+  for (const size_t end : {size_t{1}, size_t{6}, size_t{13}, scans.size() / 2}) {
+    SCOPED_TRACE(end);
+    Slam slam(SlamOptions(), 1);
+    TrackUpTo(end, scans, &slam);
+    const Slam resumed = GoOn(scans);
+    ExpectSameGraph(resumed.graph(), whole.graph());
+    EXPECT_EQ(BytesOf(resumed.scans()), BytesOf(whole.scans()));
+  }
+}
+
 TEST_F(SessionTest, GoesOnWithSweepsToo) {
   const std::vector<Scan> scans = SpatialScans(90);
   Slam whole(SlamOptions(), 1);

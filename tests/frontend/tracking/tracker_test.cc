@@ -288,6 +288,40 @@ TEST(TrackerTest, ALostTrackerLooksFartherWithEveryScan) {
   EXPECT_LT((result.match.pose.translation() - truth.translation()).norm(), 0.1);
 }
 
+// Behind a corner nothing is known yet. Wheels tell where that is; without them a scan that fits nowhere is spoilt.
+TEST(TrackerTest, NewGroundIsMappedWhereTheWheelsAre) {
+  const PlanarOrchard orchard(WithSeed(3, 0.0));
+  const SE2 prediction = orchard.TruePose(65);
+  std::vector<Eigen::Vector2f> wall;
+  for (int i = 0; i < 80; ++i)
+    wall.emplace_back(-3.0f - 0.5f * static_cast<float>(i % 2), 40.0f + 0.1f * static_cast<float>(i));
+  for (const bool by_wheels : {true, false}) {
+    Tracker tracker = MakeTracker(TrackerOptions());
+    Build(orchard, 40, 25, &tracker);
+    const TrackingResult result =
+        tracker.Track(wall, orchard.TruePose(64), prediction, true, Eigen::Vector3d(0.02, 0.02, 0.01), by_wheels);
+    EXPECT_FALSE(IsUsable(result.match.verdict));
+    EXPECT_TRUE(result.match.pose.IsApprox(prediction));
+    EXPECT_TRUE(result.measurements.empty());
+    EXPECT_EQ(result.insert, by_wheels);
+  }
+}
+
+TEST(TrackerTest, ByTheWheelsNoOtherPlaceIsSearched) {
+  const PlanarOrchard orchard(WithSeed(3, 0.0));
+  Tracker tracker = MakeTracker(TrackerOptions());
+  Build(orchard, 40, 25, &tracker);
+  // The truth lies outside of what wheels may err by.
+  const SE2 truth = orchard.TruePose(65);
+  const SE2 prediction = truth * SE2(0.3, 1.2, 0.9);
+  const std::vector<Eigen::Vector2f> points = Project(orchard, 65).points;
+  const Eigen::Vector3d sigma(0.02, 0.02, 0.01);
+  const TrackingResult found = tracker.Track(points, prediction, prediction, true, sigma, true);
+  EXPECT_TRUE(found.searched_wide);
+  EXPECT_LT((found.match.pose.translation() - prediction.translation()).norm(), 0.75);
+  EXPECT_LT(std::abs((prediction.Inverse() * found.match.pose).theta()), 0.25);
+}
+
 TEST(TrackerTest, ValidatesItsOptions) {
   EXPECT_EQ(TrackerOptions().Validate(), "");
   const auto rejects = [](auto change, const char* key) {
