@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "backend/refine/map_refiner.h"
 #include "backend/run_outputs.h"
 #include "backend/terrain/level_estimate.h"
 #include "backend/terrain/terrain_smoother.h"
@@ -291,25 +290,9 @@ FinishResult Slam::Finish(bool odometry_only) {
     result.terrain_ms = stopwatch.Lap();
     return result;
   }
-  const LoopCloser closer(options_.loop, options_.matcher, matcher_, options_.grid.cell_size);
-  result.loops = closer.FindAll(graph_, keyframes_, submaps_, num_threads_);
-  for (const LoopCandidate& loop : result.loops) {
-    if (!loop.accepted) continue;
-    graph_.AddConstraint(
-        {loop.submap, loop.keyframe, loop.match.pose, loop.match.information, Constraint::Kind::kLoop});
-  }
-  result.loop_ms = stopwatch.Lap();
-  result.loop_optimization = graph_.Optimize(options_.graph, num_threads_);
-  result.optimize_ms = stopwatch.Lap();
-
-  const MapRefiner refiner(options_.map_refinement, options_.grid, options_.tracker.min_occupancy,
-                           options_.matcher.max_distance, matcher_);
-  for (int pass = 0; pass < options_.map_refinement.num_passes; ++pass) {
-    graph_ = refiner.Remeasure(graph_, keyframes_, &submaps_, num_threads_);
-    result.refine_ms += stopwatch.Lap();
-    result.refinements.push_back(graph_.Optimize(options_.graph, num_threads_));
-    result.optimize_ms += stopwatch.Lap();
-  }
+  static_cast<GlobalSolution&>(result) =
+      SolveGlobally(options_, matcher_, num_threads_, keyframes_, &graph_, &submaps_);
+  stopwatch.Lap();
   FinishTerrain();
   result.terrain_ms = stopwatch.Lap();
   return result;

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "backend/global_solution.h"
 #include "backend/graph/pose_graph.h"
 #include "backend/keyframe.h"
-#include "backend/loop/loop_closer.h"
 #include "backend/posed_scan.h"
 #include "backend/scan_result.h"
 #include "backend/slam_options.h"
@@ -38,16 +38,9 @@ struct SweepDurationResult {
 };
 
 /// What the end of an offline run did.
-struct FinishResult {
+struct FinishResult : GlobalSolution {
   std::optional<SweepDurationResult> sweep_duration;  ///< Nothing when the sweeps told it.
-  std::vector<LoopCandidate> loops;                   ///< Every pair that was tried.
-  PoseGraphSummary loop_optimization;
-  std::vector<PoseGraphSummary> refinements;  ///< One per pass.
-  // [ms]
-  double loop_ms = 0.0;      ///< Search for loops.
-  double optimize_ms = 0.0;  ///< All solutions of the graph.
-  double refine_ms = 0.0;    ///< Matching to the corrected maps.
-  double terrain_ms = 0.0;   ///< Heights and tilts.
+  double terrain_ms = 0.0;                            ///< [ms], heights and tilts.
 };
 
 /// Lidar-only SLAM in the plane (design section 3): scans go in one at a time, each is matched to the active submaps
