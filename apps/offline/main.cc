@@ -322,7 +322,7 @@ void WriteResults(const std::filesystem::path& folder, const SlamOptions& option
   WriteTum((folder / "trajectory.tum").string(), trajectory);
   WriteTum((folder / "odometry.tum").string(), odometry);
   WriteMapServer((folder / "map.yaml").string(), maps.plane);
-  WritePng((folder / "map.png").string(), DrawMap(maps.plane, slam.OptimizedTrajectory()));
+  WritePng((folder / "map.png").string(), DrawMap(maps.plane, {slam.OptimizedTrajectory()}));
   if (maps.cloud.empty()) {
     // An earlier run's would be taken for this one's.
     std::error_code error;

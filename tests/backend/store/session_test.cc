@@ -160,7 +160,7 @@ TEST_F(SessionTest, HoldsAllOfARunThatHasNotEnded) {
   EXPECT_TRUE(DatabaseProblems(Path()).empty());
   const SessionSummary summary = ReadSessionSummary(Path());
   EXPECT_EQ(summary.format, kSessionFormat);
-  EXPECT_EQ(summary.input, "a recording");
+  EXPECT_EQ(summary.recordings, std::vector<std::string>{"a recording"});
   EXPECT_FALSE(summary.is_finished);
 
   // What has not been finished is completed on demand.
@@ -247,12 +247,17 @@ TEST_F(SessionTest, ReadsAndMigratesTheFirstFormat) {
   {
     // As format 1 had it.
     Database database(Path(), Database::Mode::kWrite);
-    database.Execute("ALTER TABLE scans DROP COLUMN fingerprint; PRAGMA user_version = 1");
+    database.Execute(
+        "INSERT INTO session SELECT 'input', name FROM recordings; DROP TABLE recordings;"
+        "ALTER TABLE scans DROP COLUMN recording; ALTER TABLE scans DROP COLUMN fingerprint; PRAGMA user_version = 1");
   }
   EXPECT_EQ(ReadSessionSummary(Path()).format, 1);
   const SessionContents old = ReadSession(Path());
   ExpectSameGraph(old.graph, slam.graph());
   ASSERT_EQ(old.read.size(), 30u);
+  ASSERT_EQ(old.recordings.size(), 1u);
+  EXPECT_EQ(old.recordings[0].name, "a recording");
+  EXPECT_EQ(old.recordings[0].num_read, 30u);
   EXPECT_EQ(old.read[3].fingerprint, 0u);
   // Reading changed nothing.
   EXPECT_EQ(ReadSessionSummary(Path()).format, 1);
@@ -267,10 +272,10 @@ TEST_F(SessionTest, ReadsAndMigratesTheFirstFormat) {
 TEST_F(SessionTest, RefusesNewerForeignAndMissingFiles) {
   Slam slam(SlamOptions(), 1);
   TrackUpTo(5, PlanarScans(), &slam);
-  Database(Path(), Database::Mode::kWrite).Execute("PRAGMA user_version = 3");
+  Database(Path(), Database::Mode::kWrite).Execute("PRAGMA user_version = 4");
   for (const auto& read : {std::function<void()>([this] { ReadSession(Path()); }),
                            std::function<void()>([this] { MigrateSessionFile(Path()); })}) {
-    EXPECT_NE(ErrorOf(read).find("is of session format 3, newer than 2"), std::string::npos) << ErrorOf(read);
+    EXPECT_NE(ErrorOf(read).find("is of session format 4, newer than 3"), std::string::npos) << ErrorOf(read);
   }
   Database(Path("other.db"), Database::Mode::kCreate).Execute("CREATE TABLE a (b)");
   EXPECT_NE(ErrorOf([this] { ReadSession(Path("other.db")); }).find("is an SQLite database but not a session"),
@@ -294,6 +299,9 @@ TEST_F(SessionTest, NamesWhatIsMissingInside) {
       {"DELETE FROM state", "table state"},
       {"DELETE FROM session WHERE key = 'config'", "config"},
       {"DROP TABLE submaps", "submaps"},
+      {"DELETE FROM recordings", "table recordings"},
+      {"UPDATE recordings SET id = 1", "recording 0"},
+      {"UPDATE scans SET recording = 1 WHERE id = 3", "scan 3"},
   };
   const std::vector<Scan> scans = PlanarScans();
   TrackUpTo(15, scans, &slam);
