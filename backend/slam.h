@@ -108,8 +108,6 @@ class Slam {
                      const ScanResult& result);
   // Settles how long sweeps last, if they did not tell, and shifts all stamps accordingly.
   std::optional<SweepDurationResult> FinishDuration();
-  // Heights and tilts of all sweeps over the planar poses as they are now.
-  void FinishTerrain();
 
   // The window's present estimate of a scan's pose, T_odom_base; its keyframe must be in the window.
   StampedPose WindowPose(const PosedScan& scan) const;

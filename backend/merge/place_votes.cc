@@ -123,7 +123,7 @@ PlaceVotes VoteOnPlace(const SlamOptions& options, const PlaceOptions& place, co
   if (result.agreeing.size() < static_cast<size_t>(merge.min_votes)) {
     result.reason = "too few agree";
   } else if (static_cast<double>(result.agreeing.size()) <= merge.min_ratio * static_cast<double>(result.num_rivals)) {
-    result.reason = "nearly as many agree on another place";
+    result.reason = "too many agree on another place";
   } else {
     result.T_a_b = MeanPlace(result.agreeing);
   }

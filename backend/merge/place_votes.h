@@ -17,7 +17,7 @@ namespace arborslam {
 struct MergeOptions {
   double spacing = 1.0;           ///< [m] between the keyframes that are asked where they were taken.
   int min_votes = 5;              ///< So many answers must agree on where one map lies in the other,
-  double min_ratio = 2.0;         ///< and more than this times as many as agree on any other place.
+  double min_ratio = 4.0;         ///< and more than this times as many as agree on any other place.
   double vote_translation = 0.5;  ///< [m], answers agree when each places the other's keyframe no farther off than
                                   ///< this, and, both maps being bent a little, 1 % of the way between them;
   double vote_rotation = 0.1;     ///< [rad], and turns it no farther off than this.

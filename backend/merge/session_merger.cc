@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "backend/terrain/scan_tilts.h"
+
 namespace arborslam {
 namespace {
 
@@ -65,6 +67,7 @@ PlaceVotes SessionMerger::Add(const SessionContents& next) {
   PlaceVotes votes = VoteOnPlace(options_, place_, merge_, merged_, next, num_threads_);
   if (!votes.reason.empty()) return votes;
   const IdShift shift(merged_);
+  const size_t num_known = merged_.scans.size();
   Append(next, shift, votes.T_a_b, &merged_);
   for (const PlaceVote& vote : votes.agreeing) {
     merged_.graph.AddConstraint(
@@ -72,11 +75,15 @@ PlaceVotes SessionMerger::Add(const SessionContents& next) {
   }
   // So well placed, the next session and the search for loops find everything where it is.
   merged_.graph.Optimize(options_.graph, num_threads_);
+  LayOnKnownGround(options_.terrain, merged_.graph, num_known, &merged_.scans);
   return votes;
 }
 
 GlobalSolution SessionMerger::Finish() {
-  return SolveGlobally(options_, matcher_, num_threads_, merged_.keyframes, &merged_.graph, &merged_.submaps);
+  GlobalSolution solution =
+      SolveGlobally(options_, matcher_, num_threads_, merged_.keyframes, &merged_.graph, &merged_.submaps);
+  SmoothTilts(options_.terrain, merged_.graph, &merged_.scans);
+  return solution;
 }
 
 }  // namespace arborslam
