@@ -102,8 +102,9 @@ void LayOnKnownGround(const TerrainOptions& options, const PoseGraph& graph, siz
   }
   if (steps.empty()) return;
   const Eigen::Vector3d plane = PlaneThrough(steps);
+  // What `MadeUpright` takes to be upright is what heights are measured along.
   LevelEstimate turn;
-  turn.lean = -plane.tail<2>();
+  turn.lean = plane.tail<2>();
   for (auto scan = middle; scan != scans->end(); ++scan) {
     scan->tilt = MadeUpright(scan->tilt, PoseOf(*scan, graph), turn);
     scan->tilt.z += plane.x();
