@@ -5,13 +5,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "backend/refine/map_refiner.h"
 #include "backend/run_outputs.h"
-#include "backend/terrain/level_estimate.h"
-#include "backend/terrain/terrain_smoother.h"
+#include "backend/terrain/scan_tilts.h"
 #include "core/io/binary_archive.h"
 #include "core/stopwatch.h"
-#include "frontend/tracking/terrain_fit.h"
 
 namespace arborslam {
 namespace {
@@ -311,30 +308,14 @@ FinishResult Slam::Finish(bool odometry_only) {
   for (Submap& submap : tracker_.FinishAll()) submaps_.push_back(std::move(submap));
   Stopwatch stopwatch;
   if (odometry_only || keyframes_.empty()) {
-    FinishTerrain();
+    SmoothTilts(options_.terrain, graph_, &scans_);
     result.terrain_ms = stopwatch.Lap();
     return result;
   }
-  const LoopCloser closer(options_.loop, options_.matcher, matcher_, options_.grid.cell_size);
-  result.loops = closer.FindAll(graph_, keyframes_, submaps_, num_threads_);
-  for (const LoopCandidate& loop : result.loops) {
-    if (!loop.accepted) continue;
-    graph_.AddConstraint(
-        {loop.submap, loop.keyframe, loop.match.pose, loop.match.information, Constraint::Kind::kLoop});
-  }
-  result.loop_ms = stopwatch.Lap();
-  result.loop_optimization = graph_.Optimize(options_.graph, num_threads_);
-  result.optimize_ms = stopwatch.Lap();
-
-  const MapRefiner refiner(options_.map_refinement, options_.grid, options_.tracker.min_occupancy,
-                           options_.matcher.max_distance, matcher_);
-  for (int pass = 0; pass < options_.map_refinement.num_passes; ++pass) {
-    graph_ = refiner.Remeasure(graph_, keyframes_, &submaps_, num_threads_);
-    result.refine_ms += stopwatch.Lap();
-    result.refinements.push_back(graph_.Optimize(options_.graph, num_threads_));
-    result.optimize_ms += stopwatch.Lap();
-  }
-  FinishTerrain();
+  static_cast<GlobalSolution&>(result) =
+      SolveGlobally(options_, matcher_, num_threads_, keyframes_, &graph_, &submaps_);
+  stopwatch.Lap();
+  SmoothTilts(options_.terrain, graph_, &scans_);
   result.terrain_ms = stopwatch.Lap();
   return result;
 }
@@ -366,35 +347,6 @@ std::optional<SweepDurationResult> Slam::FinishDuration() {
   for (PosedScan& scan : scans_) scan.stamp += result.stamp_shift;
   for (Keyframe& keyframe : keyframes_) keyframe.scan.stamp += result.stamp_shift;
   return result;
-}
-
-void Slam::FinishTerrain() {
-  const bool is_spatial =
-      std::any_of(scans_.begin(), scans_.end(), [](const PosedScan& scan) { return !scan.ground.empty(); });
-  if (!is_spatial) return;
-  // Evenly along the path, so that no place counts more because the robot stood there.
-  std::vector<TerrainView> views;
-  for (const PosedScan& scan : scans_) {
-    const SE2 pose = graph_.Pose(scan.keyframe) * scan.T_keyframe_scan;
-    const bool is_far = views.empty() || (views.back().T_map_base.translation() - pose.translation()).norm() >=
-                                             options_.terrain.keyframe_spacing;
-    if (is_far && !scan.ground.empty()) views.push_back({pose, scan.ground, scan.local_tilt, scan.tilt});
-  }
-  const TerrainMap terrain = SmoothTerrain(options_.terrain, &views);
-  for (PosedScan& scan : scans_) {
-    if (scan.ground.empty()) continue;
-    const SE2 pose = graph_.Pose(scan.keyframe) * scan.T_keyframe_scan;
-    scan.tilt = FitToTerrain(scan.ground, terrain, pose, scan.tilt).tilt;
-  }
-  std::vector<UprightView> upright;
-  for (const PosedScan& scan : scans_) {
-    if (scan.lines.empty()) continue;
-    upright.push_back({graph_.Pose(scan.keyframe) * scan.T_keyframe_scan, scan.tilt, scan.odometry_tilt, scan.lines});
-  }
-  const LevelEstimate level = EstimateLevel(upright);
-  for (PosedScan& scan : scans_) {
-    scan.tilt = MadeUpright(scan.tilt, graph_.Pose(scan.keyframe) * scan.T_keyframe_scan, level);
-  }
 }
 
 Trajectory Slam::OptimizedTrajectory() const { return TrajectoryOf(graph_, scans_); }

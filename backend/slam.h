@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "backend/global_solution.h"
 #include "backend/graph/pose_graph.h"
 #include "backend/keyframe.h"
-#include "backend/loop/loop_closer.h"
 #include "backend/posed_scan.h"
 #include "backend/scan_result.h"
 #include "backend/slam_options.h"
@@ -39,16 +39,9 @@ struct SweepDurationResult {
 };
 
 /// What the end of an offline run did.
-struct FinishResult {
+struct FinishResult : GlobalSolution {
   std::optional<SweepDurationResult> sweep_duration;  ///< Nothing when the sweeps told it.
-  std::vector<LoopCandidate> loops;                   ///< Every pair that was tried.
-  PoseGraphSummary loop_optimization;
-  std::vector<PoseGraphSummary> refinements;  ///< One per pass.
-  // [ms]
-  double loop_ms = 0.0;      ///< Search for loops.
-  double optimize_ms = 0.0;  ///< All solutions of the graph.
-  double refine_ms = 0.0;    ///< Matching to the corrected maps.
-  double terrain_ms = 0.0;   ///< Heights and tilts.
+  double terrain_ms = 0.0;                            ///< [ms], heights and tilts.
 };
 
 /// Lidar-only SLAM in the plane (design section 3): scans go in one at a time, each is matched to the active submaps
@@ -128,8 +121,6 @@ class Slam {
                      const ScanResult& result);
   // Settles how long sweeps last, if they did not tell, and shifts all stamps accordingly.
   std::optional<SweepDurationResult> FinishDuration();
-  // Heights and tilts of all sweeps over the planar poses as they are now.
-  void FinishTerrain();
 
   // The window's present estimate of a scan's pose, T_odom_base; its keyframe must be in the window.
   StampedPose WindowPose(const PosedScan& scan) const;

@@ -27,6 +27,7 @@
 #include "core/io/trajectory_io.h"
 
 DEFINE_string(align, "se2", "origin, se2, se3 or none");
+DEFINE_bool(common_alignment, false, "one alignment for all runs");
 DEFINE_string(json, "", "file for the figures");
 DEFINE_string(markdown, "", "file for the table in Markdown");
 DEFINE_string(plot, "", "PNG file for the plot");
@@ -53,6 +54,9 @@ errors; several runs get a row each and their mean +- 1.96 sd / sqrt(N).
                                   origin  first poses coincide, in the plane and in height; positions without
                                           orientation are taken to have their first heading along +x
                                   none    not at all
+  --common_alignment            one alignment for all runs, whose estimates are in one frame, such as the trajectories
+                                of a merged session, and whose references are too; also prints the ATE of all runs
+                                together. Of a .npz the reference is gnss_data (UTM east, north), the same for all
   --max_time_difference S       seconds between the stamps of poses that belong together (default 0.02)
   --interpolate S               interpolate the reference across gaps of up to S seconds (default 0: never)
   --relations FILE [FILE ...]   relative poses t1 t2 x y z roll pitch yaw (Kuemmerle et al. 2009) to hold the estimates
@@ -112,6 +116,9 @@ void CheckFlags(const MultiFlags& files) {
   if (!WantsTrajectories(files) && !FLAGS_plot.empty()) {
     throw UsageError("--plot draws trajectories; give --estimate and --reference");
   }
+  if (!WantsTrajectories(files) && FLAGS_common_alignment) {
+    throw UsageError("--common_alignment is of trajectories; give --estimate and --reference");
+  }
   if (!ParseAlignmentKind(FLAGS_align)) {
     throw UsageError("--align is '" + FLAGS_align + "' but must be origin, se2, se3 or none");
   }
@@ -132,13 +139,12 @@ const std::string& Nth(const MultiFlags& files, const std::string& name, size_t 
   return values.size() == 1 ? values[0] : values[index];
 }
 
-EvaluatedTrajectory EvaluateTrajectoryFiles(const std::string& estimate_path, const std::string& reference_path,
-                                            const EvaluationSettings& settings) {
+EvaluatedTrajectory ReadTrajectoryFiles(const std::string& estimate_path, const std::string& reference_path,
+                                        const EvaluationSettings& settings) {
   EvaluatedTrajectory trajectory{estimate_path, reference_path, {}, {}};
-  trajectory.association = Associate(ReadTrajectory(estimate_path), ReadTrajectory(reference_path),
+  const ReferenceFrame frame = settings.common_alignment ? ReferenceFrame::kOfSite : ReferenceFrame::kOfRun;
+  trajectory.association = Associate(ReadTrajectory(estimate_path), ReadTrajectory(reference_path, frame),
                                      settings.association, estimate_path + " against " + reference_path);
-  trajectory.evaluation =
-      EvaluateTrajectory(trajectory.association.pairs, trajectory.association.has_headings, settings.alignment);
   return trajectory;
 }
 
@@ -153,8 +159,8 @@ EvaluatedRelations EvaluateRelationFiles(const std::string& estimate_path, const
 SE2 PlanarAlignment(const std::optional<EvaluatedTrajectory>& trajectory, AlignmentKind kind) {
   if (!trajectory) return SE2();
   // Best in space is not best in the plane: a far origin would lean the map out of its place.
-  const Eigen::Isometry3d T =
-      Align(trajectory->association.pairs, kind == AlignmentKind::kSe3 ? AlignmentKind::kSe2 : kind);
+  const Eigen::Isometry3d& T = kind == AlignmentKind::kSe3 ? trajectory->evaluation.T_reference_estimate_se2
+                                                           : trajectory->evaluation.T_reference_estimate;
   return SE2(T.translation().x(), T.translation().y(), Heading(Eigen::Quaterniond(T.linear())));
 }
 
@@ -166,21 +172,46 @@ EvaluatedMap EvaluateMapFiles(const std::string& map_path, const std::string& re
   return map;
 }
 
-EvaluatedRun EvaluateRun(const MultiFlags& files, size_t index, const EvaluationSettings& settings) {
-  EvaluatedRun run;
-  run.label = IsGiven(files, "labels") ? files.at("labels")[index] : std::to_string(index + 1);
-  if (WantsTrajectories(files)) {
-    run.trajectory = EvaluateTrajectoryFiles(files.at("estimate")[index], Nth(files, "reference", index), settings);
+// Measures the trajectories of `runs`, each after an alignment of its own or all after one.
+std::optional<JointEvaluation> EvaluateTrajectories(const EvaluationSettings& settings,
+                                                    std::vector<EvaluatedRun>* runs) {
+  if (!settings.common_alignment) {
+    for (EvaluatedRun& run : *runs) {
+      const AssociationResult& association = run.trajectory->association;
+      run.trajectory->evaluation = EvaluateTrajectory(association.pairs, association.has_headings, settings.alignment);
+    }
+    return std::nullopt;
   }
-  if (WantsRelations(files)) {
-    run.relations = EvaluateRelationFiles(files.at("estimate")[index], Nth(files, "relations", index), settings);
+  std::vector<RunPairs> pairs;
+  for (const EvaluatedRun& run : *runs) {
+    pairs.push_back({run.trajectory->association.pairs, run.trajectory->association.has_headings});
   }
-  if (WantsMaps(files)) {
-    run.map = EvaluateMapFiles(files.at("map")[index], Nth(files, "map_reference", index),
-                               PlanarAlignment(run.trajectory, settings.alignment), settings);
+  JointEvaluation joint = EvaluateTogether(pairs, settings.alignment);
+  for (size_t i = 0; i < runs->size(); ++i) (*runs)[i].trajectory->evaluation = joint.runs[i];
+  return joint;
+}
+
+std::vector<EvaluatedRun> EvaluateRuns(const MultiFlags& files, const EvaluationSettings& settings,
+                                       std::optional<JointEvaluation>* joint) {
+  std::vector<EvaluatedRun> runs(NumRuns(files));
+  for (size_t i = 0; i < runs.size(); ++i) {
+    runs[i].label = IsGiven(files, "labels") ? files.at("labels")[i] : std::to_string(i + 1);
+    if (!WantsTrajectories(files)) continue;
+    runs[i].trajectory = ReadTrajectoryFiles(files.at("estimate")[i], Nth(files, "reference", i), settings);
   }
-  if (IsGiven(files, "summary")) run.offline_summary = ReadOfflineSummary(files.at("summary")[index]);
-  return run;
+  if (WantsTrajectories(files)) *joint = EvaluateTrajectories(settings, &runs);
+  for (size_t i = 0; i < runs.size(); ++i) {
+    EvaluatedRun& run = runs[i];
+    if (WantsRelations(files)) {
+      run.relations = EvaluateRelationFiles(files.at("estimate")[i], Nth(files, "relations", i), settings);
+    }
+    if (WantsMaps(files)) {
+      run.map = EvaluateMapFiles(files.at("map")[i], Nth(files, "map_reference", i),
+                                 PlanarAlignment(run.trajectory, settings.alignment), settings);
+    }
+    if (IsGiven(files, "summary")) run.offline_summary = ReadOfflineSummary(files.at("summary")[i]);
+  }
+  return runs;
 }
 
 // The figures of --columns, in its order.
@@ -251,18 +282,19 @@ int Run(const MultiFlags& files) {
   const std::vector<Figure> columns = ParseColumns(files.at("columns"));
   EvaluationSettings settings;
   settings.alignment = *ParseAlignmentKind(FLAGS_align);
+  settings.common_alignment = FLAGS_common_alignment;
   settings.association.max_time_difference = FLAGS_max_time_difference;
   settings.association.max_interpolation_gap = FLAGS_interpolate;
   settings.map.tolerance = FLAGS_map_tolerance;
   settings.map.beyond_is_unknown = FLAGS_map_beyond_is_unknown;
 
-  std::vector<EvaluatedRun> runs;
-  for (size_t i = 0; i < NumRuns(files); ++i) runs.push_back(EvaluateRun(files, i, settings));
+  std::optional<JointEvaluation> joint;
+  const std::vector<EvaluatedRun> runs = EvaluateRuns(files, settings, &joint);
   const std::vector<Figure> figures = columns.empty() ? DefaultFigures(runs) : columns;
   if (!FLAGS_json.empty()) {
     // File names need not be UTF-8, JSON must be.
     constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
-    WriteFileAtomically(FLAGS_json, ToJson(runs, settings).dump(2, ' ', false, kReplace) + "\n");
+    WriteFileAtomically(FLAGS_json, ToJson(runs, settings, joint).dump(2, ' ', false, kReplace) + "\n");
   }
   if (!FLAGS_markdown.empty()) WriteFileAtomically(FLAGS_markdown, FormatMarkdown(runs, figures));
   for (size_t i = 0; i < runs.size() && !FLAGS_plot.empty(); ++i) {
@@ -270,7 +302,7 @@ int Run(const MultiFlags& files) {
     WriteTrajectoryPlot(PlotPath(i, runs.size()), trajectory.evaluation,
                         {IsGiven(files, "labels") ? runs[i].label : trajectory.estimate_path});
   }
-  std::cout << FormatTable(runs, figures, settings);
+  std::cout << FormatTable(runs, figures, settings, joint);
   return kExitSuccess;
 }
 

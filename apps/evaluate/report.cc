@@ -28,6 +28,19 @@ std::string Describe(AlignmentKind kind) {
   return "";
 }
 
+std::string Describe(const EvaluationSettings& settings) {
+  return Describe(settings.alignment) + (settings.common_alignment ? "; one for all runs" : "");
+}
+
+std::string JointText(const JointEvaluation& joint) {
+  char text[200];
+  std::snprintf(text, sizeof(text),
+                "\njoint: %zu pairs, ATE after one SE(2) alignment of all runs: RMSE %.4f m, median %.4f m, "
+                "maximum %.4f m\n",
+                joint.num_pairs, joint.ate_rmse, joint.ate_median, joint.ate_max);
+  return text;
+}
+
 std::string Number(const std::optional<double>& value, const Figure& figure) {
   if (!value) return kAbsent;
   // What rounds to 0 has no sign.
@@ -83,7 +96,7 @@ std::string FormatOneRun(const EvaluatedRun& run, const std::vector<Figure>& fig
     text += "estimate     " + run.trajectory->estimate_path + "\n";
     text += "reference    " + run.trajectory->reference_path + "\n";
     text += "matched      " + MatchedText(*run.trajectory) + "\n";
-    text += "alignment    " + Describe(settings.alignment) + "\n";
+    text += "alignment    " + Describe(settings) + "\n";
   }
   if (run.relations) {
     text += "estimate     " + run.relations->estimate_path + "\n";
@@ -117,7 +130,7 @@ std::string FormatRow(const std::string& label, size_t label_width, const std::v
 std::string FormatManyRuns(const std::vector<EvaluatedRun>& runs, const std::vector<Figure>& figures,
                            const EvaluationSettings& settings) {
   std::string text;
-  if (runs.front().trajectory) text += "alignment  " + Describe(settings.alignment) + "\n";
+  if (runs.front().trajectory) text += "alignment  " + Describe(settings) + "\n";
   if (runs.front().map) text += "tolerance  " + ToleranceText(settings) + " (maps)\n";
   size_t label_width = kMinLabelWidth;
   for (const EvaluatedRun& run : runs) {
@@ -238,8 +251,9 @@ nlohmann::ordered_json RunToJson(const EvaluatedRun& run, const std::vector<Figu
 }  // namespace
 
 std::string FormatTable(const std::vector<EvaluatedRun>& runs, const std::vector<Figure>& figures,
-                        const EvaluationSettings& settings) {
-  return runs.size() == 1 ? FormatOneRun(runs.front(), figures, settings) : FormatManyRuns(runs, figures, settings);
+                        const EvaluationSettings& settings, const std::optional<JointEvaluation>& joint) {
+  return (runs.size() == 1 ? FormatOneRun(runs.front(), figures, settings) : FormatManyRuns(runs, figures, settings)) +
+         (joint ? JointText(*joint) : "");
 }
 
 std::string FormatMarkdown(const std::vector<EvaluatedRun>& runs, const std::vector<Figure>& figures) {
@@ -263,10 +277,18 @@ std::string FormatMarkdown(const std::vector<EvaluatedRun>& runs, const std::vec
   return text;
 }
 
-nlohmann::ordered_json ToJson(const std::vector<EvaluatedRun>& runs, const EvaluationSettings& settings) {
+nlohmann::ordered_json ToJson(const std::vector<EvaluatedRun>& runs, const EvaluationSettings& settings,
+                              const std::optional<JointEvaluation>& joint) {
   const std::vector<Figure> figures = FiguresOf(runs);
   nlohmann::ordered_json json;
   json["alignment"] = ToString(settings.alignment);
+  json["common_alignment"] = settings.common_alignment;
+  if (joint) {
+    json["joint"] = {{"matched_poses", joint->num_pairs},
+                     {"ate_se2_rmse_m", joint->ate_rmse},
+                     {"ate_se2_median_m", joint->ate_median},
+                     {"ate_se2_max_m", joint->ate_max}};
+  }
   json["max_time_difference_s"] = settings.association.max_time_difference;
   json["max_interpolation_gap_s"] = settings.association.max_interpolation_gap;
   if (runs.front().map) {

@@ -73,6 +73,7 @@ and options give the same results, bit by bit, for any number of threads.
   --output DIR           created if it does not exist
   --session FILE.db      goes on with an interrupted run: --input is the recording that it was made from; what the
                          session holds already is not tracked again, and the results are those of a run in one piece
+                         (another recording of the place: map it by itself, then arborslam_session merge)
   --config FILE.yaml     options; config/default.yaml lists them all; with --session, those of the session come first
   --set SECTION.KEY=VALUE ...
                          one option each, after the file's
@@ -163,7 +164,7 @@ bool SkipTracked(ScanSource* source, const std::vector<SessionContents::ReadScan
       throw UserError(
           FLAGS_input,
           "scan " + std::to_string(i + 1) + " is not the one that the session " + FLAGS_session + " was made from",
-          "give the recording that the session was made from; another one needs a session of its own");
+          "give the recording that the session was made from; map another one by itself and merge the two sessions");
     }
     record->scans.push_back(read[i].result);
     if (read[i].result.status != ScanStatus::kSkipped) odometry->poses.push_back(CausalPose(read[i].result));
@@ -322,7 +323,7 @@ void WriteResults(const std::filesystem::path& folder, const SlamOptions& option
   WriteTum((folder / "trajectory.tum").string(), trajectory);
   WriteTum((folder / "odometry.tum").string(), odometry);
   WriteMapServer((folder / "map.yaml").string(), maps.plane);
-  WritePng((folder / "map.png").string(), DrawMap(maps.plane, slam.OptimizedTrajectory()));
+  WritePng((folder / "map.png").string(), DrawMap(maps.plane, {slam.OptimizedTrajectory()}));
   if (maps.cloud.empty()) {
     // An earlier run's would be taken for this one's.
     std::error_code error;

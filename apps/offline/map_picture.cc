@@ -15,7 +15,7 @@ constexpr int kMinSide = 800;
 
 using Colour = std::array<uint8_t, 3>;
 constexpr Colour kUnknownColour{205, 207, 210};
-constexpr Colour kPath{30, 100, 220};
+constexpr std::array<Colour, 5> kPaths{{{30, 100, 220}, {230, 130, 0}, {140, 60, 200}, {0, 150, 150}, {200, 60, 130}}};
 constexpr Colour kStart{20, 160, 70};
 constexpr Colour kEnd{215, 40, 40};
 
@@ -120,16 +120,20 @@ GridImage ToGridImage(const OccupancyGrid& grid) {
   return image;
 }
 
-RgbImage DrawMap(const GridImage& map, const Trajectory& trajectory) {
+RgbImage DrawMap(const GridImage& map, const std::vector<Trajectory>& trajectories) {
   const int longest = std::max(map.width, map.height);
   const double pixels_per_cell = longest > kMaxSide   ? static_cast<double>(kMaxSide) / longest
                                  : longest < kMinSide ? std::ceil(static_cast<double>(kMinSide) / longest)
                                                       : 1.0;
   Canvas canvas(map, pixels_per_cell);
-  for (size_t i = 1; i < trajectory.size(); ++i) {
-    canvas.Line(trajectory[i - 1].pose.translation(), trajectory[i].pose.translation(), kPath);
+  for (size_t k = 0; k < trajectories.size(); ++k) {
+    const Trajectory& trajectory = trajectories[k];
+    for (size_t i = 1; i < trajectory.size(); ++i) {
+      canvas.Line(trajectory[i - 1].pose.translation(), trajectory[i].pose.translation(), kPaths[k % kPaths.size()]);
+    }
   }
-  if (!trajectory.empty()) {
+  for (const Trajectory& trajectory : trajectories) {
+    if (trajectory.empty()) continue;
     canvas.Dot(trajectory.front().pose.translation(), 6, kStart);
     canvas.Dot(trajectory.back().pose.translation(), 6, kEnd);
   }

@@ -1,6 +1,8 @@
 #ifndef ARBORSLAM_APPS_OFFLINE_MAP_PICTURE_H_
 #define ARBORSLAM_APPS_OFFLINE_MAP_PICTURE_H_
 
+#include <vector>
+
 #include "core/io/map_io.h"
 #include "core/io/png.h"
 #include "core/map/occupancy_grid.h"
@@ -11,9 +13,10 @@ namespace arborslam {
 /// The known part of `grid` for exchange, with a margin of one cell.
 GridImage ToGridImage(const OccupancyGrid& grid);
 
-/// A picture of the map: white is free, grey unknown, black occupied, the trajectory blue from a green start to a red
-/// end. A map that is too large is drawn at a fraction of its resolution.
-RgbImage DrawMap(const GridImage& map, const Trajectory& trajectory);
+/// A picture of the map: white is free, grey unknown, black occupied, each trajectory from a green start to a red end,
+/// the first one blue, others in colours of their own. A map that is too large is drawn at a fraction of its
+/// resolution.
+RgbImage DrawMap(const GridImage& map, const std::vector<Trajectory>& trajectories);
 
 /// The map alone, and where it lies.
 struct MapBackdrop {

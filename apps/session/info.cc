@@ -1,12 +1,34 @@
 #include <array>
 #include <iomanip>
 #include <iostream>
+#include <sstream>
+#include <string>
 
 #include "apps/session/commands.h"
 #include "backend/store/session_format.h"
 #include "backend/store/session_reader.h"
 
 namespace arborslam {
+
+namespace {
+
+// Each with its span of time: the stamps of recordings have nothing to do with each other.
+std::string RecordingLines(const SessionContents& contents) {
+  std::ostringstream lines;
+  lines << std::fixed << std::setprecision(3);
+  size_t begin = 0;
+  for (const SessionContents::Recording& recording : contents.recordings) {
+    lines << "recording    " << recording.name << "\n";
+    const size_t end = begin + recording.num_posed;
+    if (end > begin) {
+      lines << "stamps       " << contents.scans[begin].stamp << " to " << contents.scans[end - 1].stamp << " s\n";
+    }
+    begin = end;
+  }
+  return lines.str();
+}
+
+}  // namespace
 
 int SessionInfo(const std::string& path) {
   const SessionSummary summary = ReadSessionSummary(path);
@@ -17,18 +39,13 @@ int SessionInfo(const std::string& path) {
   std::cout << "session      " << path << "\n"
             << "format       " << summary.format
             << (summary.format < kSessionFormat ? " (older than the present one)" : "") << "\n"
-            << "recording    " << summary.input << "\n"
-            << "state        "
+            << RecordingLines(contents) << "state        "
             << (summary.is_finished ? "finished" : "not finished: arborslam_offline --session goes on") << "\n"
             << "scans        " << contents.read.size() << ", " << contents.scans.size() << " with a pose\n"
             << "keyframes    " << contents.keyframes.size() << "\n"
             << "submaps      " << contents.submaps.size() << "\n"
             << "constraints  " << constraints[0] << " to submaps, " << constraints[1] << " of the motion, "
             << constraints[2] << " at the end (loops, and all scans to the corrected maps)\n";
-  if (!contents.scans.empty()) {
-    std::cout << "stamps       " << std::fixed << std::setprecision(3) << contents.scans.front().stamp << " to "
-              << contents.scans.back().stamp << " s\n";
-  }
   return 0;
 }
 

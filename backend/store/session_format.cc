@@ -36,6 +36,11 @@ CREATE TABLE state (id INTEGER PRIMARY KEY, data BLOB NOT NULL);
 constexpr std::array<const char*, kSessionFormat - 1> kSteps = {
     // By which a run that goes on knows its recording; of earlier scans it is not known.
     "ALTER TABLE scans ADD COLUMN fingerprint INTEGER NOT NULL DEFAULT 0;",
+    // Until here a session was of one recording.
+    "ALTER TABLE scans ADD COLUMN recording INTEGER NOT NULL DEFAULT 0;"
+    "CREATE TABLE recordings (id INTEGER PRIMARY KEY, name TEXT NOT NULL);"
+    "INSERT INTO recordings SELECT 0, value FROM session WHERE key = 'input';"
+    "DELETE FROM session WHERE key = 'input';",
 };
 
 void SetFormat(Database* database, int format) { database->Execute("PRAGMA user_version = " + std::to_string(format)); }

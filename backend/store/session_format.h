@@ -13,6 +13,7 @@ namespace arborslam {
 // (x, y [m], theta [rad]); scans, submaps and states are `BinaryWriter`s' bytes, each a frame of `Compressor`.
 //
 //     session      key, value: see `kSession...`
+//     recordings   the recordings that the session was made from, by name
 //     scans        every scan that was read, in order: `ScanResult`, and `PosedScan` when it was not skipped
 //     keyframes    `PlanarScan`, and whether it became part of the maps
 //     poses        T_map_node of keyframes (kind 0) and submaps (kind 1)
@@ -22,16 +23,16 @@ namespace arborslam {
 //     state        `Slam::SaveState` at the moment of the last transaction
 //
 // Poses, constraints and submaps have a `stage`: 0 as they were tracked, which a run goes on with, and, in a finished
-// session, 1 as loops, optimisation and refinement left them.
+// session, 1 as loops, optimisation and refinement left them. A session that was merged from several recordings has
+// stage 1 only, and no state: nothing can be tracked behind its last scan.
 
 /// The version that this program writes.
-constexpr int kSessionFormat = 2;
+constexpr int kSessionFormat = 3;
 
 enum class SessionStage { kTracked = 0, kFinished = 1 };
 
 // Keys of table `session`.
 constexpr char kSessionConfig[] = "config";           ///< YAML text.
-constexpr char kSessionInput[] = "input";             ///< The recording's name, for people.
 constexpr char kSessionFinished[] = "is_finished";    ///< 0 or 1.
 constexpr char kSessionStampShift[] = "stamp_shift";  ///< [s], of a finished session: stamps are later than tracked.
 

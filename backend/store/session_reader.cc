@@ -38,6 +38,7 @@ class Reader {
     SessionContents contents;
     contents.config = TextOf(kSessionConfig);
     contents.is_finished = stage_ == SessionStage::kFinished;
+    ReadRecordings(&contents);
     ReadScans(&contents);
     ReadKeyframes(&contents);
     ReadPoses(&contents);
@@ -66,6 +67,17 @@ class Reader {
     return value == 1;
   }
 
+  std::vector<std::string> RecordingNames() {
+    Database::Statement row(&database_, "SELECT id, name FROM recordings ORDER BY id");
+    std::vector<std::string> names;
+    while (row.Step()) {
+      Require(row.Integer(0) == static_cast<int64_t>(names.size()), Part("recording", names.size()), "it is missing");
+      names.push_back(row.Text(1));
+    }
+    Require(!names.empty(), "table recordings", "it is empty");
+    return names;
+  }
+
  private:
   // Throws unless `condition` holds of `part`.
   void Require(bool condition, const std::string& part, const std::string& problem) const {
@@ -81,12 +93,28 @@ class Reader {
     return std::all_of(points.begin(), points.end(), [](const Eigen::Vector2f& point) { return point.allFinite(); });
   }
 
+  void ReadRecordings(SessionContents* contents) {
+    for (std::string& name : RecordingNames()) contents->recordings.push_back({std::move(name), 0, 0});
+    if (contents->is_finished || contents->recordings.size() == 1) return;
+    throw UserError(
+        database_.path(),
+        "was merged from " + std::to_string(contents->recordings.size()) + " recordings, and no run goes on",
+        "map a further recording by itself and merge it with arborslam_session");
+  }
+
   void ReadScans(SessionContents* contents) {
-    Database::Statement row(&database_, "SELECT id, stamp, status, data, fingerprint FROM scans ORDER BY id");
+    Database::Statement row(&database_,
+                            "SELECT id, stamp, status, data, fingerprint, recording FROM scans ORDER BY id");
+    size_t last_recording = 0;
     while (row.Step()) {
       const size_t index = contents->read.size();
       const std::string part = Part("scan", index);
       Require(row.Integer(0) == static_cast<int64_t>(index), part, "it is missing");
+      Require(row.Integer(5) >= static_cast<int64_t>(last_recording) &&
+                  row.Integer(5) < static_cast<int64_t>(contents->recordings.size()),
+              part, "it is of another recording");
+      last_recording = static_cast<size_t>(row.Integer(5));
+      SessionContents::Recording& recording = contents->recordings[last_recording];
       const std::string bytes = Decompress(row.Bytes(3), Place(part));
       BinaryReader fields(bytes, Place(part));
       SessionContents::ReadScan scan;
@@ -103,12 +131,14 @@ class Reader {
       if (result.status != ScanStatus::kSkipped) {
         PosedScan posed;
         fields(posed);
-        Require(std::isfinite(posed.stamp) && (contents->scans.empty() || posed.stamp > contents->scans.back().stamp),
+        Require(std::isfinite(posed.stamp) && (recording.num_posed == 0 || posed.stamp > contents->scans.back().stamp),
                 part, "its stamp is not after the one before");
+        ++recording.num_posed;
         contents->scans.push_back(std::move(posed));
       }
       fields.CheckEnd();
       contents->read.push_back(std::move(scan));
+      ++recording.num_read;
     }
   }
 
@@ -275,7 +305,7 @@ SessionSummary ReadSessionSummary(const std::string& path) {
   }
   const std::unique_ptr<Database> database = OpenSession(path);
   Reader reader(database.get(), SessionStage::kTracked);
-  summary.input = reader.TextOf(kSessionInput);
+  summary.recordings = reader.RecordingNames();
   summary.config = reader.TextOf(kSessionConfig);
   summary.is_finished = reader.IsFinished();
   return summary;
@@ -284,6 +314,7 @@ SessionSummary ReadSessionSummary(const std::string& path) {
 SessionContents Completed(SessionContents contents, const SlamOptions& options, const std::string& place) {
   if (contents.is_finished) return contents;
   SessionContents completed;
+  completed.recordings = contents.recordings;
   completed.config = contents.config;
   completed.read = contents.read;
   Slam slam(options, 1, std::move(contents), place);

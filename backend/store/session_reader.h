@@ -11,8 +11,8 @@ namespace arborslam {
 
 /// What can be told of a session without reading it all.
 struct SessionSummary {
-  int format = 0;     ///< Version.
-  std::string input;  ///< The recording's name.
+  int format = 0;                       ///< Version.
+  std::vector<std::string> recordings;  ///< Their names, at least one.
   bool is_finished = false;
   std::string config;  ///< YAML.
 };
@@ -23,7 +23,8 @@ struct SessionSummary {
 /// session, a newer format, and whatever does not go together in it.
 SessionContents ReadSession(const std::string& path);
 
-/// The same as it was tracked, for a run that goes on with it, though it be finished: `is_finished` is false.
+/// The same as it was tracked, for a run that goes on with it, though it be finished: `is_finished` is false. A session
+/// that was merged from several recordings is an error, too.
 SessionContents ReadTracked(const std::string& path);
 
 /// Throws `UserError` as `ReadSession` does, but looks at little.

@@ -8,21 +8,14 @@
 #include <system_error>
 #include <utility>
 
+#include "backend/store/session_format.h"
 #include "core/error.h"
-#include "core/io/binary_archive.h"
 
 namespace arborslam {
 namespace {
 
 // What SQLite keeps beside a database.
 constexpr std::array<const char*, 3> kSideFiles = {"-wal", "-shm", "-journal"};
-
-template <class... Values>
-std::string Packed(Compressor* compressor, const Values&... values) {
-  BinaryWriter bytes;
-  bytes(values...);
-  return compressor->Compress(bytes.bytes());
-}
 
 void SetValue(Database* database, const char* key, const std::string& text) {
   Database::Statement(database, "INSERT OR REPLACE INTO session VALUES (?, ?)").BindText(key).BindText(text).Run();
@@ -70,7 +63,21 @@ void MakeDatabase(const std::string& path, const Fill& fill) {
   throw UserError(path, "cannot be created (" + error.message() + ")", "choose another --output");
 }
 
-int KindOf(NodeId id) { return id.kind == NodeId::Kind::kKeyframe ? 0 : 1; }
+// What the end of a run came to; its scans are written already, with stamps that are earlier by `stamp_shift` [s].
+void WriteFinished(const PoseGraph& graph, const std::vector<Submap>& submaps, const std::vector<PosedScan>& scans,
+                   double stamp_shift, Database* database, SessionRows* rows) {
+  for (const auto& [id, pose] : graph.poses()) rows->SetPose(SessionStage::kFinished, id, pose);
+  for (size_t i = 0; i < graph.constraints().size(); ++i) {
+    rows->AddConstraint(SessionStage::kFinished, i, graph.constraints()[i]);
+  }
+  for (const Submap& submap : submaps) rows->AddSubmap(SessionStage::kFinished, submap);
+  for (size_t i = 0; i < scans.size(); ++i) rows->AddTilt(i, scans[i].tilt);
+  Database::Statement(database, "INSERT OR REPLACE INTO session VALUES (?, ?)")
+      .BindText(kSessionStampShift)
+      .Bind(stamp_shift)
+      .Run();
+  SetFinished(database, true);
+}
 
 }  // namespace
 
@@ -80,31 +87,34 @@ void CopySession(const std::string& source, const std::string& target) {
   MakeDatabase(target, [&database](Database* copy) { copy->CopyFrom(database); });
 }
 
-struct SessionWriter::Statements {
-  explicit Statements(Database* database)
-      : scan(database, "INSERT INTO scans (id, stamp, status, data, fingerprint) VALUES (?, ?, ?, ?, ?)"),
-        keyframe(database, "INSERT INTO keyframes VALUES (?, ?, ?)"),
-        pose(database, "INSERT OR REPLACE INTO poses VALUES (?, ?, ?, ?, ?, ?)"),
-        constraint(database,
-                   "INSERT INTO constraints VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"),
-        submap(database, "INSERT INTO submaps VALUES (?, ?, ?)"),
-        state(database, "INSERT OR REPLACE INTO state VALUES (0, ?)") {}
-
-  Database::Statement scan;
-  Database::Statement keyframe;
-  Database::Statement pose;
-  Database::Statement constraint;
-  Database::Statement submap;
-  Database::Statement state;
-};
+void WriteSession(const std::string& path, const SessionContents& contents) {
+  MakeDatabase(path, [&](Database* database) {
+    CreateSessionTables(database);
+    database->Execute("BEGIN");
+    SetValue(database, kSessionConfig, contents.config);
+    SessionRows rows(database);
+    size_t read = 0;
+    size_t posed = 0;
+    for (size_t i = 0; i < contents.recordings.size(); ++i) {
+      rows.AddRecording(i, contents.recordings[i].name);
+      for (const size_t end = read + contents.recordings[i].num_read; read < end; ++read) {
+        const bool is_posed = contents.read[read].result.status != ScanStatus::kSkipped;
+        rows.AddScan(read, i, contents.read[read], is_posed ? &contents.scans[posed++] : nullptr);
+      }
+    }
+    for (const Keyframe& keyframe : contents.keyframes) rows.AddKeyframe(keyframe);
+    WriteFinished(contents.graph, contents.submaps, contents.scans, 0.0, database, &rows);
+    database->Execute("COMMIT");
+  });
+}
 
 std::unique_ptr<SessionWriter> SessionWriter::Create(const std::string& path, const std::string& config,
                                                      const std::string& input) {
   MakeDatabase(path, [&](Database* database) {
     CreateSessionTables(database);
     SetValue(database, kSessionConfig, config);
-    SetValue(database, kSessionInput, input);
     SetFinished(database, false);
+    SessionRows(database).AddRecording(0, input);
   });
   return std::unique_ptr<SessionWriter>(new SessionWriter(path, Written()));
 }
@@ -131,7 +141,7 @@ SessionWriter::SessionWriter(const std::string& path, Written written)
   // A killed program loses nothing that was committed; a power cut may lose the last transactions, never the file.
   database_->Execute("PRAGMA synchronous = NORMAL");
   MigrateSession(&*database_);
-  statements_ = std::make_unique<Statements>(&*database_);
+  rows_ = std::make_unique<SessionRows>(&*database_);
 }
 
 SessionWriter::~SessionWriter() = default;
@@ -146,12 +156,8 @@ void SessionWriter::Add(uint64_t fingerprint, const ScanResult& result, const Sl
   Begin();
   const bool is_posed = slam.scans().size() > written_.posed;
   CHECK_EQ(is_posed, result.status != ScanStatus::kSkipped);
-  statements_->scan.Bind(static_cast<int64_t>(written_.read))
-      .Bind(result.stamp)
-      .Bind(static_cast<int64_t>(result.status))
-      .BindBytes(is_posed ? Packed(&compressor_, result, slam.scans().back()) : Packed(&compressor_, result))
-      .Bind(static_cast<int64_t>(fingerprint))
-      .Run();
+  // A run that is written as it goes is of one recording.
+  rows_->AddScan(written_.read, 0, {fingerprint, result}, is_posed ? &slam.scans().back() : nullptr);
   ++written_.read;
   written_.posed = slam.scans().size();
   const std::chrono::duration<double> since_commit = std::chrono::steady_clock::now() - last_commit_;
@@ -167,19 +173,16 @@ void SessionWriter::Commit(const Slam& slam) {
   }
   WritePoses(slam);
   for (; written_.keyframes < slam.keyframes().size(); ++written_.keyframes) {
-    const Keyframe& keyframe = slam.keyframes()[written_.keyframes];
-    statements_->keyframe.Bind(static_cast<int64_t>(keyframe.id.value))
-        .Bind(static_cast<int64_t>(keyframe.is_inserted))
-        .BindBytes(Packed(&compressor_, keyframe.scan))
-        .Run();
+    rows_->AddKeyframe(slam.keyframes()[written_.keyframes]);
   }
   for (; written_.constraints < slam.graph().constraints().size(); ++written_.constraints) {
-    WriteConstraint(SessionStage::kTracked, written_.constraints, slam.graph().constraints()[written_.constraints]);
+    rows_->AddConstraint(SessionStage::kTracked, written_.constraints,
+                         slam.graph().constraints()[written_.constraints]);
   }
   for (; written_.submaps < slam.submaps().size(); ++written_.submaps) {
-    WriteSubmap(SessionStage::kTracked, slam.submaps()[written_.submaps]);
+    rows_->AddSubmap(SessionStage::kTracked, slam.submaps()[written_.submaps]);
   }
-  statements_->state.BindBytes(Packed(&compressor_, slam.SaveState())).Run();
+  rows_->SetState(slam.SaveState());
   database_->Execute("COMMIT");
   in_transaction_ = false;
   last_commit_ = std::chrono::steady_clock::now();
@@ -195,46 +198,11 @@ void SessionWriter::WritePoses(const Slam& slam) {
   }
   written_.open.clear();
   for (const auto& [id, pose] : slam.window().poses()) written_.open.push_back(id);
-  for (const NodeId id : moved) WritePose(SessionStage::kTracked, id, slam.graph().Pose(id));
-}
-
-void SessionWriter::WritePose(SessionStage stage, NodeId id, const SE2& pose) {
-  statements_->pose.Bind(static_cast<int64_t>(stage))
-      .Bind(static_cast<int64_t>(KindOf(id)))
-      .Bind(static_cast<int64_t>(id.value))
-      .Bind(pose.x())
-      .Bind(pose.y())
-      .Bind(pose.theta())
-      .Run();
-}
-
-void SessionWriter::WriteConstraint(SessionStage stage, size_t id, const Constraint& constraint) {
-  Database::Statement& statement = statements_->constraint;
-  statement.Bind(static_cast<int64_t>(stage))
-      .Bind(static_cast<int64_t>(id))
-      .BindText(NameOf(constraint.kind))
-      .Bind(static_cast<int64_t>(KindOf(constraint.from)))
-      .Bind(static_cast<int64_t>(constraint.from.value))
-      .Bind(static_cast<int64_t>(KindOf(constraint.to)))
-      .Bind(static_cast<int64_t>(constraint.to.value))
-      .Bind(constraint.T_from_to.x())
-      .Bind(constraint.T_from_to.y())
-      .Bind(constraint.T_from_to.theta());
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) statement.Bind(constraint.information(row, column));
-  }
-  statement.Run();
-}
-
-void SessionWriter::WriteSubmap(SessionStage stage, const Submap& submap) {
-  statements_->submap.Bind(static_cast<int64_t>(stage))
-      .Bind(static_cast<int64_t>(submap.id.value))
-      .BindBytes(Packed(&compressor_, submap))
-      .Run();
+  for (const NodeId id : moved) rows_->SetPose(SessionStage::kTracked, id, slam.graph().Pose(id));
 }
 
 void SessionWriter::Discard() {
-  statements_.reset();
+  rows_.reset();
   database_.reset();
   for (const char* ending : kSideFiles) Remove(path_ + ending);
   Remove(path_);
@@ -242,26 +210,10 @@ void SessionWriter::Discard() {
 
 void SessionWriter::Finish(const Slam& slam, double stamp_shift) {
   Begin();
-  for (const auto& [id, pose] : slam.graph().poses()) WritePose(SessionStage::kFinished, id, pose);
-  for (size_t i = 0; i < slam.graph().constraints().size(); ++i) {
-    WriteConstraint(SessionStage::kFinished, i, slam.graph().constraints()[i]);
-  }
-  for (const Submap& submap : slam.submaps()) WriteSubmap(SessionStage::kFinished, submap);
-  {
-    Database::Statement tilt(&*database_, "INSERT INTO tilts VALUES (?, ?, ?, ?)");
-    for (size_t i = 0; i < slam.scans().size(); ++i) {
-      const Tilt3& value = slam.scans()[i].tilt;
-      tilt.Bind(static_cast<int64_t>(i)).Bind(value.roll).Bind(value.pitch).Bind(value.z).Run();
-    }
-  }
-  Database::Statement(&*database_, "INSERT OR REPLACE INTO session VALUES (?, ?)")
-      .BindText(kSessionStampShift)
-      .Bind(stamp_shift)
-      .Run();
-  SetFinished(&*database_, true);
+  WriteFinished(slam.graph(), slam.submaps(), slam.scans(), stamp_shift, &*database_, rows_.get());
   database_->Execute("COMMIT");
   in_transaction_ = false;
-  statements_.reset();
+  rows_.reset();
   database_->Execute("PRAGMA journal_mode = DELETE");
 }
 

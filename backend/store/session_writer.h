@@ -10,15 +10,18 @@
 #include <vector>
 
 #include "backend/slam.h"
-#include "backend/store/compression.h"
 #include "backend/store/database.h"
 #include "backend/store/session_contents.h"
-#include "backend/store/session_format.h"
+#include "backend/store/session_rows.h"
 
 namespace arborslam {
 
 /// Puts a copy of the session at `source` in place of the file at `target`, whole or not at all. Throws `UserError`.
 void CopySession(const std::string& source, const std::string& target);
+
+/// Writes a session that no run goes on with, such as a merged one, as a finished one in place of the file at `path`,
+/// whole or not at all. `contents` must be such as `ReadSession` may return. Throws `UserError`.
+void WriteSession(const std::string& path, const SessionContents& contents);
 
 /// Writes a run into a session file as it goes, in transactions: whenever the program ends, be it killed, the file
 /// opens again and lacks what came after the last of them at most. Everything that goes wrong is a `UserError`; what
@@ -66,16 +69,10 @@ class SessionWriter {
 
   void Begin();
   void WritePoses(const Slam& slam);
-  void WritePose(SessionStage stage, NodeId id, const SE2& pose);
-  void WriteConstraint(SessionStage stage, size_t id, const Constraint& constraint);
-  void WriteSubmap(SessionStage stage, const Submap& submap);
 
-  struct Statements;
-
-  Compressor compressor_;
   std::string path_;
-  std::optional<Database> database_;  // Until it is discarded.
-  std::unique_ptr<Statements> statements_;
+  std::optional<Database> database_;   // Until it is discarded.
+  std::unique_ptr<SessionRows> rows_;  // Of the database.
   Written written_;
   bool in_transaction_ = false;
   std::chrono::steady_clock::time_point last_commit_ = std::chrono::steady_clock::now();

@@ -113,15 +113,32 @@ std::vector<PosePair> Aligned(const std::vector<PosePair>& pairs, const Eigen::I
   return aligned;
 }
 
-}  // namespace
+// How estimates are moved onto their references.
+struct FrameFit {
+  AlignmentKind alignment;
+  Eigen::Isometry3d T_reference_estimate;
+  Eigen::Isometry3d T_reference_estimate_se2;
+  double z_offset;
+};
 
-TrajectoryEvaluation EvaluateTrajectory(const std::vector<PosePair>& pairs, bool has_headings,
-                                        AlignmentKind alignment) {
+FrameFit FitFrame(const std::vector<PosePair>& pairs, AlignmentKind alignment) {
+  FrameFit fit{alignment, Align(pairs, alignment), Align(pairs, AlignmentKind::kSe2), 0.0};
+  fit.z_offset = HeightOffset(Aligned(pairs, fit.T_reference_estimate), alignment);
+  return fit;
+}
+
+// Of the planar positions after the SE(2) alignment.
+std::vector<double> AbsoluteErrors(const std::vector<PosePair>& pairs, const FrameFit& fit) {
+  return PositionErrors(Aligned(pairs, fit.T_reference_estimate_se2), IsSpatial(AlignmentKind::kSe2));
+}
+
+TrajectoryEvaluation EvaluateIn(const FrameFit& fit, const std::vector<PosePair>& pairs, bool has_headings) {
   TrajectoryEvaluation evaluation;
-  evaluation.alignment = alignment;
-  evaluation.T_reference_estimate = Align(pairs, alignment);
+  evaluation.alignment = fit.alignment;
+  evaluation.T_reference_estimate = fit.T_reference_estimate;
+  evaluation.T_reference_estimate_se2 = fit.T_reference_estimate_se2;
   evaluation.aligned_pairs = Aligned(pairs, evaluation.T_reference_estimate);
-  const bool is_spatial = IsSpatial(alignment);
+  const bool is_spatial = IsSpatial(fit.alignment);
   evaluation.position_errors = PositionErrors(evaluation.aligned_pairs, is_spatial);
 
   std::vector<double> heading_errors;
@@ -162,18 +179,39 @@ TrajectoryEvaluation EvaluateTrajectory(const std::vector<PosePair>& pairs, bool
 
   if (has_headings && BothHave(pairs, &IsTilted)) MeasureTilt(evaluation.aligned_pairs, &metrics);
   if (BothHave(pairs, &HasHeight)) {
-    evaluation.z_offset = HeightOffset(evaluation.aligned_pairs, alignment);
+    evaluation.z_offset = fit.z_offset;
     MeasureHeight(evaluation.aligned_pairs, evaluation.z_offset, &metrics);
   }
 
-  const std::vector<double> absolute_errors =
-      alignment == AlignmentKind::kSe2
-          ? evaluation.position_errors
-          : PositionErrors(Aligned(pairs, Align(pairs, AlignmentKind::kSe2)), IsSpatial(AlignmentKind::kSe2));
+  const std::vector<double> absolute_errors = AbsoluteErrors(pairs, fit);
   metrics.ate_rmse = Rms(absolute_errors);
   metrics.ate_median = Median(absolute_errors);
   metrics.ate_max = *std::max_element(absolute_errors.begin(), absolute_errors.end());
   return evaluation;
+}
+
+}  // namespace
+
+TrajectoryEvaluation EvaluateTrajectory(const std::vector<PosePair>& pairs, bool has_headings,
+                                        AlignmentKind alignment) {
+  return EvaluateIn(FitFrame(pairs, alignment), pairs, has_headings);
+}
+
+JointEvaluation EvaluateTogether(const std::vector<RunPairs>& runs, AlignmentKind alignment) {
+  std::vector<PosePair> all;
+  for (const RunPairs& run : runs) {
+    if (run.pairs.empty()) throw std::invalid_argument("a run has no pairs");
+    all.insert(all.end(), run.pairs.begin(), run.pairs.end());
+  }
+  const FrameFit fit = FitFrame(all, alignment);
+  JointEvaluation joint;
+  for (const RunPairs& run : runs) joint.runs.push_back(EvaluateIn(fit, run.pairs, run.has_headings));
+  const std::vector<double> errors = AbsoluteErrors(all, fit);
+  joint.num_pairs = all.size();
+  joint.ate_rmse = Rms(errors);
+  joint.ate_median = Median(errors);
+  joint.ate_max = *std::max_element(errors.begin(), errors.end());
+  return joint;
 }
 
 const std::vector<MetricField>& MetricFields() {

@@ -44,6 +44,8 @@ struct TrajectoryMetrics {
 struct TrajectoryEvaluation {
   AlignmentKind alignment = AlignmentKind::kSe2;
   Eigen::Isometry3d T_reference_estimate = Eigen::Isometry3d::Identity();
+  /// The alignment that the ATE is taken after: `kSe2`, whatever `alignment` is.
+  Eigen::Isometry3d T_reference_estimate_se2 = Eigen::Isometry3d::Identity();
   /// [m], added to the aligned estimate's z before heights are compared, and to nothing else. Planar alignments leave
   /// the height open: with `kSe2` the mean heights coincide, with `kOrigin` the first ones; otherwise this is 0.
   double z_offset = 0.0;
@@ -60,6 +62,28 @@ struct TrajectoryEvaluation {
 /// @param pairs in the order of their stamps, at least one. Throws `std::invalid_argument`.
 /// @param has_headings whether both trajectories have orientations, see `AssociationResult`.
 TrajectoryEvaluation EvaluateTrajectory(const std::vector<PosePair>& pairs, bool has_headings, AlignmentKind alignment);
+
+/// The pairs of one run.
+struct RunPairs {
+  std::vector<PosePair> pairs;  ///< In the order of their stamps.
+  bool has_headings = false;    ///< Whether both trajectories have orientations, see `AssociationResult`.
+};
+
+/// Several runs, moved and measured together.
+struct JointEvaluation {
+  std::vector<TrajectoryEvaluation> runs;  ///< Each after the alignment that all have in common.
+  size_t num_pairs = 0;                    ///< Of all runs.
+  // Over the pairs of all runs.
+  double ate_rmse = 0.0;    ///< [m] after the SE(2) alignment that fits all runs together best.
+  double ate_median = 0.0;  ///< [m] likewise.
+  double ate_max = 0.0;     ///< [m] likewise.
+};
+
+/// The same for runs whose estimates are in one frame and whose references are in one frame: one alignment, of all
+/// pairs as if they were of one run (`kOrigin`: of the first pair of the first), moves all of them, so that what the
+/// runs lie off each other counts as error.
+/// @param runs at least one, each of at least one pair. Throws `std::invalid_argument`.
+JointEvaluation EvaluateTogether(const std::vector<RunPairs>& runs, AlignmentKind alignment);
 
 /// How a figure of `TrajectoryMetrics` is presented.
 struct MetricField {

@@ -19,7 +19,8 @@
 namespace arborslam {
 namespace {
 
-constexpr char kReferenceKey[] = "gnss_rotated_c";
+constexpr char kRunKey[] = "gnss_rotated_c";
+constexpr char kSiteKey[] = "gnss_data";
 constexpr char kTumLayout[] = "stamp x y z qx qy qz qw";
 constexpr double kNormTolerance = 0.01;
 
@@ -60,13 +61,18 @@ Trajectory3 ReadTum(const std::string& path) {
   return trajectory;
 }
 
-Trajectory3 ReadPullallyReference(const std::string& path) {
+Trajectory3 ReadPullallyReference(const std::string& path, ReferenceFrame frame) {
   const NpzFile file(path);
-  const NpyArray positions = file.Read(kReferenceKey);
-  if (positions.shape.size() != 2 || positions.shape[0] == 0 || positions.shape[1] != 2) {
-    throw UserError(file.Place(kReferenceKey), "has the shape " + positions.ShapeText(),
+  const std::string key = frame == ReferenceFrame::kOfRun ? kRunKey : kSiteKey;
+  const NpyArray positions = file.Read(key);
+  // Of the site there is the altitude, too.
+  const bool has_columns = positions.shape.size() == 2 &&
+                           (positions.shape[1] == 2 || (frame == ReferenceFrame::kOfSite && positions.shape[1] > 2));
+  if (!has_columns || positions.shape[0] == 0) {
+    throw UserError(file.Place(key), "has the shape " + positions.ShapeText(),
                     "give positions as (records, 2), at least one");
   }
+  const size_t num_columns = positions.shape[1];
   const size_t count = positions.shape[0];
   const std::optional<std::vector<double>> stamps = ReadPullallyStamps(file, count);
   Trajectory3 trajectory;
@@ -75,9 +81,9 @@ Trajectory3 ReadPullallyReference(const std::string& path) {
     const std::string record = ", record " + std::to_string(i);
     StampedPose3 pose;
     pose.stamp = stamps ? (*stamps)[i] : static_cast<double>(i);
-    pose.position = {positions.values[2 * i], positions.values[2 * i + 1], 0.0};
+    pose.position = {positions.values[num_columns * i], positions.values[num_columns * i + 1], 0.0};
     if (!pose.position.allFinite()) {
-      throw UserError(file.Place(kReferenceKey) + record, "is not finite", "leave out records without a position");
+      throw UserError(file.Place(key) + record, "is not finite", "leave out records without a position");
     }
     AppendInOrder(pose, file.Place("time") + record, &trajectory);
   }
@@ -86,8 +92,8 @@ Trajectory3 ReadPullallyReference(const std::string& path) {
 
 }  // namespace
 
-Trajectory3 ReadTrajectory(const std::string& path) {
-  return HasZipMagic(path) ? ReadPullallyReference(path) : ReadTum(path);
+Trajectory3 ReadTrajectory(const std::string& path, ReferenceFrame frame) {
+  return HasZipMagic(path) ? ReadPullallyReference(path, frame) : ReadTum(path);
 }
 
 void WriteTum(const std::string& path, const Trajectory3& trajectory, const std::string& stamp) {

@@ -16,6 +16,8 @@
 #include <random>
 #include <string>
 
+#include "core/io/npz.h"
+
 namespace arborslam {
 namespace {
 
@@ -467,6 +469,41 @@ TEST_F(EvaluateTest, PullallyReferenceHasPositionsOnly) {
   EXPECT_NEAR(run.at("path_length_m"), 151.0, 0.5);
   EXPECT_LT(run.at("position_rms_m"), 1e-9);
   EXPECT_TRUE(run.at("heading_mean_rad").is_null());
+}
+
+TEST_F(EvaluateTest, OneAlignmentOfAllRuns) {
+  // The references lie 0.1 m ahead of the estimates and 0.1 m behind, in the frame of a site.
+  for (const char* name : {"a.tum", "b.tum"}) Write(name, "0 -1 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n");
+  const auto write_reference = [this](const std::string& name, double shift) {
+    WriteNpz(Path(name), {{"gnss_rotated_c", {{2, 2}, {0, 0, 2, 0}}},
+                          {"gnss_data", {{2, 3}, {500 + shift, 7000, 9, 502 + shift, 7000, 9}}}});
+  };
+  write_reference("a.npz", 0.1);
+  write_reference("b.npz", -0.1);
+  const std::string files = "--estimate a.tum b.tum --reference a.npz b.npz --json out.json";
+  const Outcome together = Run(files + " --common_alignment");
+  ASSERT_EQ(together.exit_code, 0) << together.err;
+  EXPECT_NE(together.out.find("one for all runs"), std::string::npos) << together.out;
+  EXPECT_NE(together.out.find("joint: 4 pairs"), std::string::npos) << together.out;
+  EXPECT_NE(together.out.find("RMSE 0.1000 m"), std::string::npos) << together.out;
+  auto json = nlohmann::json::parse(ReadFile(Path("out.json")));
+  EXPECT_EQ(json.at("common_alignment"), true);
+  EXPECT_EQ(json.at("joint").at("matched_poses"), 4);
+  EXPECT_NEAR(json.at("joint").at("ate_se2_rmse_m").get<double>(), 0.1, 1e-9);
+  for (const auto& run : json.at("runs")) {
+    EXPECT_NEAR(run.at("position_rms_m").get<double>(), 0.1, 1e-9);
+    EXPECT_NEAR(run.at("T_reference_estimate")[0][3].get<double>(), 501.0, 1e-9);
+    EXPECT_NEAR(run.at("T_reference_estimate")[1][3].get<double>(), 7000.0, 1e-9);
+  }
+  // Each by itself fits.
+  const Outcome apart = Run(files);
+  ASSERT_EQ(apart.exit_code, 0) << apart.err;
+  json = nlohmann::json::parse(ReadFile(Path("out.json")));
+  EXPECT_EQ(json.at("common_alignment"), false);
+  EXPECT_EQ(json.count("joint"), 0u);
+  EXPECT_NEAR(json.at("runs")[1].at("ate_se2_rmse_m").get<double>(), 0.0, 1e-9);
+  WriteMap("map", "##....\n......\n......\n......");
+  EXPECT_EQ(Run("--map map.yaml --map_reference map.yaml --common_alignment").exit_code, 2);
 }
 
 }  // namespace

@@ -11,12 +11,20 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <random>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "backend/store/session_writer.h"
+#include "core/io/npz.h"
+#include "core/io/trajectory_io.h"
+#include "core/simulation/orchard.h"
+#include "core/simulation/planar_orchard.h"
+#include "core/simulation/simulated_run.h"
 #include "tests/apps/program_test.h"
+#include "tests/backend/session_of_run.h"
 
 namespace arborslam {
 namespace {
@@ -121,6 +129,120 @@ TEST_F(SessionProgramTest, ExportsWithoutTheRecording) {
   EXPECT_NE(RunWell("arborslam_session", "verify --session whole/session.db").out.find("whole, "), std::string::npos);
   EXPECT_NE(RunWell("arborslam_session", "migrate --session whole/session.db").out.find("present format"),
             std::string::npos);
+}
+
+// Two walks through one orchard, there.npz and back.npz, and one through another orchard, other.npz.
+class SessionMergeProgramTest : public ProgramTest {
+ protected:
+  void SetUp() override {
+    ProgramTest::SetUp();
+    const PlanarOrchard orchard(Options(2));
+    const auto last = static_cast<int>(orchard.NumScans()) - 1;
+    WriteWalk("there", OtherWalk(orchard, 0, last, 0.0, 3, 100.0));
+    // Stamps that overlap with those of the other walk are no problem.
+    WriteWalk("back", OtherWalk(orchard, last * 3 / 4, 0, 0.1, 7, 50.0));
+  }
+
+  static PlanarOrchardOptions Options(int seed) {
+    PlanarOrchardOptions options;
+    options.seed = seed;
+    options.rows = 3;
+    options.trees_per_row = 9;
+    return options;
+  }
+
+  // A walk as a recording, and where it really went, in the frame of the orchard.
+  void WriteWalk(const std::string& name, const OtherWalk& walk) const {
+    NpyArray scans{{walk.scans.size(), walk.scans.front().ranges.size()}, {}};
+    NpyArray stamps{{walk.scans.size()}, {}};
+    Trajectory truth;
+    for (size_t i = 0; i < walk.scans.size(); ++i) {
+      const LaserScan& scan = walk.scans[i];
+      scans.values.insert(scans.values.end(), scan.ranges.begin(), scan.ranges.end());
+      stamps.values.push_back(scan.stamp);
+      truth.push_back({scan.stamp, walk.truth[i]});
+    }
+    WriteNpz(Path(name + ".npz").string(), {{"scan0", scans}, {"time", stamps}});
+    WriteTum(Path(name + ".tum").string(), truth);
+  }
+
+  // The session of a few sweeps in space.
+  void SimulatedSweeps(const std::string& name) const {
+    const OrchardOptions options;
+    const SimulatedRun run(options.run, MakeOrchard(options));
+    std::vector<LidarSweep> sweeps;
+    for (size_t i = 0; i < 10; ++i) sweeps.push_back(run.Sweep(i));
+    WriteSession(Path(name).string(), SessionOf(sweeps, "sweeps"));
+  }
+
+  void Map(const std::string& name, const std::string& flags = "") const {
+    RunWell("arborslam_offline", "--input " + name + ".npz --output " + name + " " + flags);
+  }
+};
+
+TEST_F(SessionMergeProgramTest, MakesOneMapOfTwoSessions) {
+  Map("there");
+  Map("back");
+  // What an earlier merge left.
+  fs::create_directories(Path("both"));
+  Write("both/trajectory.tum", "old");
+  Write("both/trajectory_3.tum", "old");
+  const std::string out =
+      RunWell("arborslam_session", "merge --session there/session.db back/session.db --output both").out;
+  for (const char* part : {"back/session.db lies at", "agree on one", "loops across sessions: ", "2 recordings"}) {
+    EXPECT_NE(out.find(part), std::string::npos) << out;
+  }
+  for (const char* file : {"graph.g2o", "map.pgm", "map.yaml", "map.png", "session.db"}) {
+    EXPECT_FALSE(ReadFile(Path("both") / file).empty()) << file;
+  }
+  EXPECT_FALSE(fs::exists(Path("both/trajectory.tum")));
+  EXPECT_FALSE(fs::exists(Path("both/trajectory_3.tum")));
+  // Both trajectories lie in one frame.
+  RunWell("arborslam_evaluate",
+          "--estimate both/trajectory_1.tum both/trajectory_2.tum --reference there.tum back.tum --common_alignment "
+          "--json errors.json");
+  const auto errors = nlohmann::json::parse(ReadFile(Path("errors.json")));
+  EXPECT_LT(errors.at("joint").at("ate_se2_rmse_m").get<double>(), 0.06);
+  EXPECT_EQ(errors.at("runs")[1].at("unmatched_reference_poses"), 0);
+
+  // The session is one like any other, but that no run goes on with it.
+  const std::string info = RunWell("arborslam_session", "info --session both/session.db").out;
+  for (const char* part : {"recording    there.npz", "recording    back.npz", "finished"}) {
+    EXPECT_NE(info.find(part), std::string::npos) << info;
+  }
+  RunWell("arborslam_session", "verify --session both/session.db");
+  RunWell("arborslam_session", "export --session both/session.db --output exported");
+  for (const char* file : {"trajectory_1.tum", "trajectory_2.tum", "graph.g2o", "map.pgm", "map.png"}) {
+    EXPECT_TRUE(ReadFile(Path("exported") / file) == ReadFile(Path("both") / file)) << file;
+  }
+  RunWell("arborslam_localize", "--session both/session.db --input back.npz --output located --max_scans 20");
+  EXPECT_FALSE(ReadFile(Path("located/trajectory.tum")).empty());
+  ExpectError("arborslam_offline", "--session both/session.db --input back.npz --output again", 1,
+              {"both/session.db", "was merged from 2 recordings"});
+}
+
+TEST_F(SessionMergeProgramTest, RefusesWhatDoesNotGoTogetherAndWritesNothing) {
+  Map("there");
+  const PlanarOrchard other(Options(5));
+  WriteWalk("other", OtherWalk(other, 0, static_cast<int>(other.NumScans()) - 1, 0.0, 3, 0.0));
+  Map("other");
+  Map("back", "--set grid.hit_probability=0.6 --max_scans 30");
+  SimulatedSweeps("sweeps.db");
+  const auto expect_refused = [this](const std::string& sessions, const std::vector<std::string>& parts) {
+    ExpectError("arborslam_session", "merge --session " + sessions + " --output both", 1, parts);
+    EXPECT_FALSE(fs::exists(Path("both")));
+  };
+  expect_refused("there/session.db other/session.db",
+                 {"other/session.db", "no certain place", "there/session.db", "too few agree"});
+  expect_refused("there/session.db back/session.db", {"back/session.db", "grid.hit_probability = 0.6"});
+  expect_refused("there/session.db sweeps.db", {"sweeps.db", "from sweeps in space", "there/session.db"});
+  expect_refused("there/session.db there/session.db", {"give each recording once"});
+  expect_refused("there/session.db none.db", {"none.db"});
+  expect_refused("there/session.db other/session.db --set merge.min_votes=1", {"merge.min_votes"});
+  ExpectError("arborslam_session", "merge --session there/session.db --output both", 2, {"at least two"});
+  ExpectError("arborslam_session", "merge --session there/session.db other/session.db", 2, {"--output DIR"});
+  ExpectError("arborslam_session", "info --session there/session.db other/session.db", 2, {"info takes one"});
+  ExpectError("arborslam_session", "info --session there/session.db --set a.b=c", 2, {"--set is for merge only"});
 }
 
 TEST_F(SessionProgramTest, SaysWhatIsWrongWithTheCommandLine) {

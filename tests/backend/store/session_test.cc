@@ -160,7 +160,7 @@ TEST_F(SessionTest, HoldsAllOfARunThatHasNotEnded) {
   EXPECT_TRUE(DatabaseProblems(Path()).empty());
   const SessionSummary summary = ReadSessionSummary(Path());
   EXPECT_EQ(summary.format, kSessionFormat);
-  EXPECT_EQ(summary.input, "a recording");
+  EXPECT_EQ(summary.recordings, std::vector<std::string>{"a recording"});
   EXPECT_FALSE(summary.is_finished);
 
   // What has not been finished is completed on demand.
@@ -268,12 +268,17 @@ TEST_F(SessionTest, ReadsAndMigratesTheFirstFormat) {
   {
     // As format 1 had it.
     Database database(Path(), Database::Mode::kWrite);
-    database.Execute("ALTER TABLE scans DROP COLUMN fingerprint; PRAGMA user_version = 1");
+    database.Execute(
+        "INSERT INTO session SELECT 'input', name FROM recordings; DROP TABLE recordings;"
+        "ALTER TABLE scans DROP COLUMN recording; ALTER TABLE scans DROP COLUMN fingerprint; PRAGMA user_version = 1");
   }
   EXPECT_EQ(ReadSessionSummary(Path()).format, 1);
   const SessionContents old = ReadSession(Path());
   ExpectSameGraph(old.graph, slam.graph());
   ASSERT_EQ(old.read.size(), 30u);
+  ASSERT_EQ(old.recordings.size(), 1u);
+  EXPECT_EQ(old.recordings[0].name, "a recording");
+  EXPECT_EQ(old.recordings[0].num_read, 30u);
   EXPECT_EQ(old.read[3].fingerprint, 0u);
   // Reading changed nothing.
   EXPECT_EQ(ReadSessionSummary(Path()).format, 1);
@@ -285,13 +290,64 @@ TEST_F(SessionTest, ReadsAndMigratesTheFirstFormat) {
   EXPECT_EQ(migrated.state, slam.SaveState());
 }
 
+// Two recordings in one session, as merging leaves them; the second one's stamps begin before the first one's end.
+SessionContents OfTwoRecordings() {
+  const std::vector<Scan> scans = PlanarScans();
+  Slam slam(SlamOptions(), 1);
+  SessionContents contents;
+  for (const Scan& scan : scans) {
+    contents.read.push_back({FingerprintOf(scan), slam.AddScan(std::get<LaserScan>(scan))});
+  }
+  slam.Finish(false);
+  contents.config = "window:\n  num_keyframes: 15\n";
+  contents.is_finished = true;
+  contents.scans = slam.scans();
+  contents.keyframes = slam.keyframes();
+  contents.submaps = slam.submaps();
+  contents.graph = slam.graph();
+  contents.recordings = {{"first", 22, 20}, {"second", scans.size() - 22, contents.scans.size() - 20}};
+  for (size_t i = 20; i < contents.scans.size(); ++i) contents.scans[i].stamp -= 18.5;
+  return contents;
+}
+
+TEST_F(SessionTest, AMergedSessionComesBackAndNoRunGoesOnWithIt) {
+  const SessionContents contents = OfTwoRecordings();
+  ASSERT_EQ(contents.read[20].result.status, ScanStatus::kSkipped);
+  WriteSession(Path(), contents);
+  const SessionContents read = ReadSession(Path());
+  EXPECT_TRUE(read.is_finished);
+  EXPECT_EQ(read.config, contents.config);
+  ASSERT_EQ(read.recordings.size(), 2u);
+  for (size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(read.recordings[i].name, contents.recordings[i].name);
+    EXPECT_EQ(read.recordings[i].num_read, contents.recordings[i].num_read);
+    EXPECT_EQ(read.recordings[i].num_posed, contents.recordings[i].num_posed);
+  }
+  ASSERT_EQ(read.read.size(), contents.read.size());
+  for (size_t i = 0; i < read.read.size(); ++i) {
+    EXPECT_EQ(read.read[i].fingerprint, contents.read[i].fingerprint);
+    EXPECT_EQ(BytesOf(read.read[i].result), BytesOf(contents.read[i].result));
+  }
+  EXPECT_EQ(BytesOf(read.scans), BytesOf(contents.scans));
+  ExpectSameKeyframes(read.keyframes, contents.keyframes);
+  EXPECT_EQ(BytesOf(read.submaps), BytesOf(contents.submaps));
+  ExpectSameGraph(read.graph, contents.graph);
+  EXPECT_EQ(ReadSessionSummary(Path()).recordings, (std::vector<std::string>{"first", "second"}));
+  EXPECT_TRUE(DatabaseProblems(Path()).empty());
+  const std::string error = ErrorOf([this] { ReadTracked(Path()); });
+  EXPECT_NE(error.find("was merged from 2 recordings"), std::string::npos) << error;
+  // Of one recording the stamps rise.
+  Database(Path(), Database::Mode::kWrite).Execute("UPDATE scans SET recording = 0");
+  EXPECT_NE(ErrorOf([this] { ReadSession(Path()); }).find("its stamp is not after"), std::string::npos);
+}
+
 TEST_F(SessionTest, RefusesNewerForeignAndMissingFiles) {
   Slam slam(SlamOptions(), 1);
   TrackUpTo(5, PlanarScans(), &slam);
-  Database(Path(), Database::Mode::kWrite).Execute("PRAGMA user_version = 3");
+  Database(Path(), Database::Mode::kWrite).Execute("PRAGMA user_version = 4");
   for (const auto& read : {std::function<void()>([this] { ReadSession(Path()); }),
                            std::function<void()>([this] { MigrateSessionFile(Path()); })}) {
-    EXPECT_NE(ErrorOf(read).find("is of session format 3, newer than 2"), std::string::npos) << ErrorOf(read);
+    EXPECT_NE(ErrorOf(read).find("is of session format 4, newer than 3"), std::string::npos) << ErrorOf(read);
   }
   Database(Path("other.db"), Database::Mode::kCreate).Execute("CREATE TABLE a (b)");
   EXPECT_NE(ErrorOf([this] { ReadSession(Path("other.db")); }).find("is an SQLite database but not a session"),
@@ -315,6 +371,9 @@ TEST_F(SessionTest, NamesWhatIsMissingInside) {
       {"DELETE FROM state", "table state"},
       {"DELETE FROM session WHERE key = 'config'", "config"},
       {"DROP TABLE submaps", "submaps"},
+      {"DELETE FROM recordings", "table recordings"},
+      {"UPDATE recordings SET id = 1", "recording 0"},
+      {"UPDATE scans SET recording = 1 WHERE id = 3", "scan 3"},
   };
   const std::vector<Scan> scans = PlanarScans();
   TrackUpTo(15, scans, &slam);

@@ -43,6 +43,56 @@ std::vector<PosePair> HandMadePairs() {
           {PoseAt(3, 1.0, 0.8, 0.0, 3.1), PoseAt(3, 1.0, 2.2, 8.0, -3.1)}};
 }
 
+// Two runs over one stretch, whose references lie 0.1 m ahead of it and 0.1 m behind.
+std::vector<RunPairs> HandMadeRuns() {
+  return {{{{PoseAt(0, -1.0, 0.0, 0.0, 0.0), PoseAt(0, -0.9, 0.0, 0.0, 0.0)},
+            {PoseAt(1, 1.0, 0.0, 0.0, 0.0), PoseAt(1, 1.1, 0.0, 0.0, 0.0)}},
+           true},
+          {{{PoseAt(9, -1.0, 0.0, 0.0, 0.0), PoseAt(9, -1.1, 0.0, 0.0, 0.0)},
+            {PoseAt(10, 1.0, 0.0, 0.0, 0.0), PoseAt(10, 0.9, 0.0, 0.0, 0.0)}},
+           false}};
+}
+
+TEST(EvaluateTogetherTest, WhatRunsLieOffEachOtherIsAnError) {
+  // Alone, either fits its reference; together the best is to stay in the middle.
+  const std::vector<RunPairs> runs = HandMadeRuns();
+  EXPECT_NEAR(EvaluateTrajectory(runs[0].pairs, true, AlignmentKind::kSe2).metrics.ate_rmse, 0.0, 1e-12);
+  const JointEvaluation joint = EvaluateTogether(runs, AlignmentKind::kSe2);
+  EXPECT_EQ(joint.num_pairs, 4u);
+  EXPECT_NEAR(joint.ate_rmse, 0.1, 1e-12);
+  EXPECT_NEAR(joint.ate_median, 0.1, 1e-12);
+  EXPECT_NEAR(joint.ate_max, 0.1, 1e-12);
+  ASSERT_EQ(joint.runs.size(), 2u);
+  for (const TrajectoryEvaluation& run : joint.runs) {
+    EXPECT_TRUE(run.T_reference_estimate.isApprox(Eigen::Isometry3d::Identity(), 1e-12));
+    EXPECT_NEAR(run.metrics.position_rms, 0.1, 1e-12);
+    EXPECT_NEAR(run.metrics.ate_rmse, 0.1, 1e-12);
+    EXPECT_NEAR(*run.metrics.step_length_rms, 0.0, 1e-12);
+  }
+  EXPECT_TRUE(joint.runs[0].metrics.heading_rms.has_value());
+  EXPECT_FALSE(joint.runs[1].metrics.heading_rms.has_value());
+}
+
+TEST(EvaluateTogetherTest, OriginIsTheFirstPoseOfTheFirstRun) {
+  const JointEvaluation joint = EvaluateTogether(HandMadeRuns(), AlignmentKind::kOrigin);
+  EXPECT_NEAR(joint.runs[0].metrics.position_rms, 0.0, 1e-12);
+  EXPECT_NEAR(joint.runs[1].metrics.position_rms, 0.2, 1e-12);
+  EXPECT_NEAR(joint.ate_rmse, 0.1, 1e-12);
+}
+
+TEST(EvaluateTogetherTest, OneRunIsAsByItself) {
+  const TrajectoryEvaluation alone = EvaluateTrajectory(HandMadePairs(), true, AlignmentKind::kSe2);
+  const JointEvaluation joint = EvaluateTogether({{HandMadePairs(), true}}, AlignmentKind::kSe2);
+  EXPECT_EQ(joint.ate_rmse, alone.metrics.ate_rmse);
+  EXPECT_EQ(joint.runs.front().metrics.position_rms, alone.metrics.position_rms);
+  EXPECT_EQ(joint.runs.front().z_offset, alone.z_offset);
+}
+
+TEST(EvaluateTogetherTest, NeedsPairsOfEveryRun) {
+  EXPECT_THROW(EvaluateTogether({}, AlignmentKind::kSe2), std::invalid_argument);
+  EXPECT_THROW(EvaluateTogether({{HandMadePairs(), true}, {{}, true}}, AlignmentKind::kSe2), std::invalid_argument);
+}
+
 TEST(TrajectoryMetricsTest, HandComputedFigures) {
   const TrajectoryEvaluation evaluation = EvaluateTrajectory(HandMadePairs(), true, AlignmentKind::kNone);
   const TrajectoryMetrics& m = evaluation.metrics;

@@ -155,6 +155,19 @@ TEST(PullallyReference, IsStampedByIndexLikeItsScansWhenTheTimeIsAbsent) {
   EXPECT_EQ(ReadTrajectory(folder.File("t.npz")).poses[1].stamp, 1.0);
 }
 
+TEST(PullallyReference, OfTheSiteIsEastAndNorth) {
+  const TempFolder folder;
+  WriteNpz(folder.File("t.npz"), {{"gnss_rotated_c", {{2, 2}, {0, 0, 3, 4}}},
+                                  {"gnss_data", {{2, 3}, {500100, 5890200, 31, 500103, 5890204, 32}}}});
+  const Trajectory3 read = ReadTrajectory(folder.File("t.npz"), ReferenceFrame::kOfSite);
+  EXPECT_FALSE(read.has_orientation);
+  ASSERT_EQ(read.poses.size(), 2u);
+  EXPECT_EQ(read.poses[1].position, Eigen::Vector3d(500103, 5890204, 0));
+  WriteNpz(folder.File("one.npz"), {{"gnss_data", {{2, 1}, {1, 2}}}});
+  EXPECT_THROW(ReadTrajectory(folder.File("one.npz"), ReferenceFrame::kOfSite), UserError);
+  EXPECT_THROW(ReadTrajectory(folder.File("one.npz")), UserError);
+}
+
 TEST(PullallyReference, WrongArraysAreErrors) {
   const NpyArray positions{{2, 2}, {0, 0, 3, 4}};
   EXPECT_THAT(ErrorOfArrays({{"scan0", positions}}),

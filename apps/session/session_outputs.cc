@@ -1,0 +1,66 @@
+#include "apps/session/session_outputs.h"
+
+#include <cstddef>
+#include <system_error>
+
+#include "apps/offline/graph_export.h"
+#include "apps/offline/map_picture.h"
+#include "backend/run_outputs.h"
+#include "core/io/g2o.h"
+#include "core/io/map_io.h"
+#include "core/io/png.h"
+#include "core/io/trajectory_io.h"
+
+namespace arborslam {
+namespace {
+
+constexpr char kOnlyTrajectory[] = "trajectory.tum";
+
+std::string NthTrajectory(size_t index) { return "trajectory_" + std::to_string(index + 1) + ".tum"; }
+
+// Trajectories of another number of recordings would be taken for this session's.
+void RemoveOldTrajectories(const std::filesystem::path& folder, size_t num_recordings) {
+  std::error_code ignored;
+  if (num_recordings > 1) std::filesystem::remove(folder / kOnlyTrajectory, ignored);
+  for (size_t i = num_recordings > 1 ? num_recordings : 0; std::filesystem::remove(folder / NthTrajectory(i), ignored);
+       ++i) {
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> SessionOutputNames(size_t num_recordings) {
+  std::vector<std::string> names = {"graph.g2o", "map.yaml", "map.pgm", "map.png"};
+  if (num_recordings == 1) names.emplace_back(kOnlyTrajectory);
+  for (size_t i = 0; num_recordings > 1 && i < num_recordings; ++i) names.push_back(NthTrajectory(i));
+  return names;
+}
+
+void WriteSessionOutputs(const std::filesystem::path& folder, const LoadedSession& session) {
+  const SessionContents& contents = session.contents;
+  // A lidar in the plane is fine enough for the map that people look at; sweeps' finer one needs the recording.
+  OccupancyGridOptions grid = session.options.slam.grid;
+  if (contents.keyframes.front().scan.point_rays_are_free && session.options.map.resolution > 0.0) {
+    grid.cell_size = session.options.map.resolution;
+  }
+  const GridImage map = ToGridImage(MapOf(contents.graph, contents.keyframes, grid));
+
+  const size_t num_recordings = contents.recordings.size();
+  const Trajectory3 all = Trajectory3Of(contents.graph, contents.scans);
+  std::vector<Trajectory> planar;
+  auto begin = all.poses.begin();
+  for (size_t i = 0; i < num_recordings; ++i) {
+    const auto end = begin + static_cast<std::ptrdiff_t>(contents.recordings[i].num_posed);
+    Trajectory3 trajectory;
+    trajectory.poses.assign(begin, end);
+    begin = end;
+    planar.push_back(ToPlanar(trajectory));
+    WriteTum((folder / (num_recordings > 1 ? NthTrajectory(i) : kOnlyTrajectory)).string(), trajectory);
+  }
+  RemoveOldTrajectories(folder, num_recordings);
+  WriteG2o((folder / "graph.g2o").string(), ToG2o(contents.graph));
+  WriteMapServer((folder / "map.yaml").string(), map);
+  WritePng((folder / "map.png").string(), DrawMap(map, planar));
+}
+
+}  // namespace arborslam
