@@ -3,6 +3,7 @@
 #include <glog/logging.h>
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "backend/run_outputs.h"
@@ -16,6 +17,7 @@ namespace {
 // Information [1/m^2, 1/rad^2] that ties the first keyframe to the odometry frame's origin, and a submap to the
 // keyframe that begins it: a tenth of a millimetre.
 constexpr double kAnchorInformation = 1e8;
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 // The mean of a prediction with standard deviations `sigma` [m, m, rad] and of the match, each counting as it knows.
 SE2 Fuse(const SE2& prediction, const Eigen::Vector3d& sigma, const MatchResult& match) {
@@ -276,7 +278,9 @@ SE2 Slam::Smooth(const PlanarScan& scan, const Prediction& prediction, const Tra
 
 void Slam::InsertIntoSubmaps() {
   const Keyframe& keyframe = keyframes_.back();
-  std::optional<Submap> finished = tracker_.Insert(keyframe.id, keyframe.scan, window_.Pose(keyframe.id));
+  const double max_length =
+      options_.odometry.enabled && wheels_.is_used() ? options_.odometry.submap_length : kUnbounded;
+  std::optional<Submap> finished = tracker_.Insert(keyframe.id, keyframe.scan, window_.Pose(keyframe.id), max_length);
   if (finished) submaps_.push_back(std::move(*finished));
   for (const SubmapId submap : tracker_.ActiveSubmaps()) {
     if (window_.Has(submap)) continue;

@@ -183,8 +183,10 @@ bool Tracker::IsKeyframe(const StampedPose& last_keyframe, const StampedPose& po
          pose.stamp - last_keyframe.stamp >= options_.keyframe_interval;
 }
 
-std::optional<Submap> Tracker::Insert(KeyframeId id, const PlanarScan& scan, const SE2& T_odom_base) {
-  if (active_.empty() || active_.back().length >= 0.5 * options_.submap_length) {
+std::optional<Submap> Tracker::Insert(KeyframeId id, const PlanarScan& scan, const SE2& T_odom_base,
+                                      double max_length) {
+  const double submap_length = std::min(options_.submap_length, max_length);
+  if (active_.empty() || active_.back().length >= 0.5 * submap_length) {
     active_.emplace_back(SubmapId{num_submaps_++}, T_odom_base, grid_options_);
   }
   for (ActiveSubmap& submap : active_) {
@@ -196,7 +198,7 @@ std::optional<Submap> Tracker::Insert(KeyframeId id, const PlanarScan& scan, con
     submap.turn += std::abs(AngleDifference(T_submap_base.theta(), submap.T_submap_last.theta()));
     submap.T_submap_last = T_submap_base;
   }
-  if (active_.front().length < options_.submap_length) return std::nullopt;
+  if (active_.front().length < submap_length) return std::nullopt;
   const Submap finished = Finish(&active_.front());
   active_.pop_front();
   return finished;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -107,7 +108,9 @@ class Tracker {
 
   /// Adds a keyframe's scan to the active submaps; begins a submap at `T_odom_base` when it is time. Returns the submap
   /// that this scan completed, if any.
-  std::optional<Submap> Insert(KeyframeId id, const PlanarScan& scan, const SE2& T_odom_base);
+  /// @param max_length [m], that a submap's path may have where the options allow more.
+  std::optional<Submap> Insert(KeyframeId id, const PlanarScan& scan, const SE2& T_odom_base,
+                               double max_length = std::numeric_limits<double>::infinity());
 
   /// Ids of the active submaps, the older first.
   std::vector<SubmapId> ActiveSubmaps() const;

@@ -50,6 +50,7 @@ std::string OdometryOptions::Validate() const {
   if (!(rotation_per_turn >= 0.0)) {
     return Violation("rotation_per_turn", rotation_per_turn, "be at least 0 rad per rad");
   }
+  if (!(submap_length > 0.0)) return Violation("submap_length", submap_length, "be above 0 m");
   return "";
 }
 

@@ -22,6 +22,9 @@ struct OdometryOptions {
   double rotation_per_metre = 0.03;    ///< [rad per m] of way.
   double rotation_per_turn = 0.1;      ///< [rad per rad] of turn.
   bool learn_sigma = true;             ///< Find out how far it really errs; false: as far as that.
+  /// [m], the greatest path in a submap of a run with wheels: corridors bend a map little by little, and only short
+  /// pieces of it are true as rigid parts.
+  double submap_length = 15.0;
 
   std::string Validate() const;
 
@@ -35,6 +38,7 @@ struct OdometryOptions {
     visit("rotation_per_metre", rotation_per_metre);
     visit("rotation_per_turn", rotation_per_turn);
     visit("learn_sigma", learn_sigma);
+    visit("submap_length", submap_length);
   }
 };
 
@@ -65,7 +69,7 @@ class WheelOdometry {
   /// @param information  of `matched`, (x, y, theta) in its own frame [1/m^2, 1/rad^2].
   void Learn(const OdometryStep& step, const SE2& matched, const Eigen::Matrix3d& information);
 
-  /// True if the run has had odometry.
+  /// True if the run has had odometry, used or not.
   bool is_used() const { return is_used_; }
 
   template <class Visitor>

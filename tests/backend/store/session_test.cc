@@ -40,7 +40,7 @@ std::vector<Scan> PlanarScans() {
   std::vector<Scan> scans;
   for (size_t i = 0; i < orchard.NumScans(); ++i) scans.emplace_back(orchard.Scan(i));
   // One that cannot be used, and one that comes too late.
-  LaserScan empty = std::get<LaserScan>(scans[0]);
+  LaserScan empty = orchard.Scan(0);
   for (float& range : empty.ranges) range = std::numeric_limits<float>::infinity();
   empty.stamp -= 1.0;
   scans.insert(scans.begin(), empty);
