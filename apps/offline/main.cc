@@ -68,8 +68,9 @@ Smooths a recorded run: matches every scan, closes loops, and writes the traject
 and options give the same results, bit by bit, for any number of threads.
 
   --input PATH           recording: a folder of 3D sweeps (KITTI .bin, .pcd or .ply, with timestamps.txt or times.txt),
-                         or a .npz file of planar scans: scan0 (N x B ranges [m]) and time (N stamps [s]); or a pose
-                         graph, .g2o (VERTEX_SE2, EDGE_SE2, FIX), which is smoothed as it is
+                         a .npz file of planar scans: scan0 (N x B ranges [m]) and time (N stamps [s]), or a CARMEN log
+                         (.clf, .carmen, .log: FLASER, ROBOTLASER1, ODOM), whose odometry is used; or a pose graph, .g2o
+                         (VERTEX_SE2, EDGE_SE2, FIX), which is smoothed as it is
   --output DIR           created if it does not exist
   --session FILE.db      goes on with an interrupted run: --input is the recording that it was made from; what the
                          session holds already is not tracked again, and the results are those of a run in one piece

@@ -75,7 +75,9 @@ TEST(RisingStampsTest, ChangesAsFewAsPossible) {
     size_t num_equal = 0;
     for (size_t i = 0; i < stamps.size(); ++i) {
       num_equal += rising.stamps[i] == stamps[i] ? 1 : 0;
-      if (i > 0) EXPECT_GT(rising.stamps[i], rising.stamps[i - 1]);
+      if (i > 0) {
+        EXPECT_GT(rising.stamps[i], rising.stamps[i - 1]);
+      }
     }
     EXPECT_GE(num_equal, longest);
   }
