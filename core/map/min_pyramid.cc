@@ -9,15 +9,17 @@ namespace arborslam {
 MinPyramid::MinPyramid(const DistanceField& field, int num_levels)
     : metres_per_step_(field.max_distance() / static_cast<float>(kNumSteps)) {
   CHECK_GE(num_levels, 1);
-  levels_.resize(static_cast<size_t>(num_levels));
-  Level& finest = levels_.front();
-  finest.width = field.width();
-  finest.height = field.height();
-  finest.least = field.Quantised(kNumSteps);
+  levels_.push_back({0, field.width(), field.height(), field.Quantised(kNumSteps)});
+  Extend(num_levels);
+}
 
+void MinPyramid::Extend(int num_levels) {
+  const int num_before = this->num_levels();
+  if (num_levels <= num_before) return;
+  levels_.resize(static_cast<size_t>(num_levels));
   // A window of twice the size is made of two pairs of the level below: first paired along y, then along x.
   std::vector<uint8_t> paired;
-  for (int i = 1; i < num_levels; ++i) {
+  for (int i = num_before; i < num_levels; ++i) {
     const Level& below = levels_[static_cast<size_t>(i) - 1];
     const int half = 1 << (i - 1);
     Level& level = levels_[static_cast<size_t>(i)];

@@ -35,6 +35,9 @@ class MinPyramid {
   /// Levels 0 to `num_levels` - 1 of `field`.
   MinPyramid(const DistanceField& field, int num_levels);
 
+  /// Adds what is missing of levels up to `num_levels` - 1.
+  void Extend(int num_levels);
+
   const Level& level(int index) const { return levels_[static_cast<size_t>(index)]; }
   int num_levels() const { return static_cast<int>(levels_.size()); }
   /// [m] that one quantisation step stands for.

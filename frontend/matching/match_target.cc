@@ -115,9 +115,8 @@ void MatchTarget::FitShapes() {
 }
 
 const MinPyramid& MatchTarget::Pyramid(int num_levels) const {
-  if (pyramid_.empty() || pyramid_.front().num_levels() < num_levels) {
-    pyramid_.assign(1, MinPyramid(field_, num_levels));
-  }
+  if (pyramid_.empty()) pyramid_.emplace_back(field_, num_levels);
+  pyramid_.front().Extend(num_levels);
   return pyramid_.front();
 }
 

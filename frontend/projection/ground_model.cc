@@ -162,9 +162,10 @@ void GroundModel::Measure(const std::vector<Eigen::Vector3f>& points, std::vecto
     }
     for (size_t i = 0; i < size; ++i) {
       if (above_band[i] > 0.0f) continue;
-      const auto column = static_cast<size_t>(x[i] + kReach);
-      const auto row = static_cast<size_t>(y[i] + kReach);
-      Eigen::Vector4f& sum = sums_[row * kSampleCells + column];
+      // Just below the border the sum is rounded up to it.
+      const int column = std::min(kSampleCells - 1, static_cast<int>(x[i] + kReach));
+      const int row = std::min(kSampleCells - 1, static_cast<int>(y[i] + kReach));
+      Eigen::Vector4f& sum = sums_[static_cast<size_t>(row * kSampleCells + column)];
       const Eigen::Vector3f& p = points[begin + i];
       sum += Eigen::Vector4f(p.x(), p.y(), p.z(), 1.0f);
     }

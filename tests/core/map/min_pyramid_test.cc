@@ -22,9 +22,11 @@ int LeastInWindow(const DistanceField& field, const std::vector<uint8_t>& quanti
   return least;
 }
 
-// Every window that touches the field, and some that do not.
+// Every window that touches the field, and some that do not, of a pyramid made in two steps.
 void CompareWithBruteForce(const DistanceField& field, int num_levels) {
-  const MinPyramid pyramid(field, num_levels);
+  MinPyramid pyramid(field, (num_levels + 1) / 2);
+  pyramid.Extend(num_levels);
+  pyramid.Extend(1);
   const std::vector<uint8_t> quantised = field.Quantised(MinPyramid::kNumSteps);
   ASSERT_EQ(pyramid.num_levels(), num_levels);
   for (int level = 0; level < num_levels; ++level) {

@@ -100,6 +100,24 @@ TEST(GroundModelTest, LiesUnderHedgesAndBushes) {
   }
 }
 
+TEST(GroundModelTest, TakesReturnsJustBelowTheBorderOfItsReach) {
+  GroundFit fit;
+  fit.ok = true;
+  fit.normal = Eigen::Vector3f::UnitZ();
+  fit.height = 0.7f;
+  GroundModel model;
+  model.Build({}, fit);
+  // Of these the distance from the opposite border is rounded up to twice the reach.
+  const float border = std::nextafter(GroundModel::kReach, 0.0f);
+  ASSERT_EQ(border + GroundModel::kReach, 2.0f * GroundModel::kReach);
+  std::vector<Eigen::Vector3f> points(20, Eigen::Vector3f(border, border, -fit.height));
+  points.insert(points.end(), 20, Eigen::Vector3f(0.0f, border, -fit.height));
+  std::vector<float> heights;
+  model.Measure(points, &heights);
+  ASSERT_EQ(model.samples().size(), 2u);
+  for (const GroundSample& sample : model.samples()) EXPECT_NEAR(sample.position.y(), border, 1e-4f);
+}
+
 TEST(GroundModelTest, WithoutReturnsIsThePlane) {
   GroundModel model;
   GroundFit fit;
