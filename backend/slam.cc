@@ -83,7 +83,7 @@ std::string Slam::SaveState() const {
   state(Sizes());
   VisitState(this, &state);
   // Left out where there are none, as of sessions made before wheels were known.
-  if (wheels_.is_used()) state(wheels_);
+  if (wheels_.has_odometry()) state(wheels_);
   return state.bytes();
 }
 
@@ -279,7 +279,7 @@ SE2 Slam::Smooth(const PlanarScan& scan, const Prediction& prediction, const Tra
 void Slam::InsertIntoSubmaps() {
   const Keyframe& keyframe = keyframes_.back();
   const double max_length =
-      options_.odometry.enabled && wheels_.is_used() ? options_.odometry.submap_length : kUnbounded;
+      options_.odometry.enabled && wheels_.has_odometry() ? options_.odometry.submap_length : kUnbounded;
   std::optional<Submap> finished = tracker_.Insert(keyframe.id, keyframe.scan, window_.Pose(keyframe.id), max_length);
   if (finished) submaps_.push_back(std::move(*finished));
   for (const SubmapId submap : tracker_.ActiveSubmaps()) {

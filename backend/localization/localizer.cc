@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "core/config/validation.h"
-#include "core/geometry/angles.h"
 
 namespace arborslam {
 namespace {

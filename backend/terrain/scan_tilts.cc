@@ -40,11 +40,11 @@ struct Step {
 
 // The plane (height at the origin, slopes) through the steps, by robust least squares (Cauchy).
 Eigen::Vector3d PlaneThrough(const std::vector<Step>& steps) {
+  // About the middle, so that a slope that the places do not tell stays 0 there.
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  for (const Step& step : steps) middle += step.place / static_cast<double>(steps.size());
   Eigen::Vector3d plane = Eigen::Vector3d::Zero();
   for (int iteration = 0; iteration < kPlaneIterations; ++iteration) {
-    // About the middle, so that a slope that the places do not tell stays 0 there.
-    Eigen::Vector2d middle = Eigen::Vector2d::Zero();
-    for (const Step& step : steps) middle += step.place / static_cast<double>(steps.size());
     Eigen::Matrix3d information = Eigen::Vector3d(0.0, kLevelWeight, kLevelWeight).asDiagonal();
     Eigen::Vector3d vector = Eigen::Vector3d::Zero();
     for (const Step& step : steps) {

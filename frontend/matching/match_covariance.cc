@@ -166,8 +166,8 @@ Eigen::Matrix3d MatchInformation(const MatchTarget& target, const std::vector<Ei
     return 1.0 / (1.0 + distance * distance / (options.robust_scale * options.robust_scale));
   };
   Eigen::MatrixXd information;
+  Eigen::Matrix3d slope = PoseSlope(pose, options.step, range, &function);
   for (double step = options.step;; step *= 2.0) {
-    const Eigen::Matrix3d slope = PoseSlope(pose, step, range, &function);
     const Force by_offset = RangeOffsetSlope(pose, step, &function);
     Eigen::Matrix3d spread = patch_spread;
     if (by_offset(3) > 0.0) {
@@ -180,13 +180,14 @@ Eigen::Matrix3d MatchInformation(const MatchTarget& target, const std::vector<Ei
         eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(1e-9).asDiagonal() * eigen.eigenvectors().transpose();
     // What holds a pose firmly does so over a wider step as well, but for what the robust weights take away.
     const double loss = robust_weight(step) / robust_weight(2.0 * step);
-    const Eigen::Matrix3d wide_slope = loss * PoseSlope(pose, 2.0 * step, range, &function);
-    pull = Lesser(pull, to_free.transpose() * wide_slope * to_free);
+    const Eigen::Matrix3d wide_slope = PoseSlope(pose, 2.0 * step, range, &function);
+    pull = Lesser(pull, to_free.transpose() * Eigen::Matrix3d(loss * wide_slope) * to_free);
     const Eigen::MatrixXd free_spread = to_free.transpose() * spread * to_free + kLeastVariance * pull;
     information = pull * free_spread.ldlt().solve(pull);
     information = (0.5 * (information + information.transpose())).eval();
     const double least = information.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff();
     if (least * step * step >= 1.0 || step >= kGreatestWidening * options.step) break;
+    slope = wide_slope;
   }
   return from_free * information * from_free.transpose();
 }

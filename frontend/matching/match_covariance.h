@@ -33,7 +33,9 @@ Eigen::Matrix3d ForceSlope(const MatchTarget& target, const std::vector<Eigen::V
 /// - A is the slope of the *whole* estimating function, measured by moving the pose and associating anew: as a pose
 ///   shifts, points change over from cell to cell, so that a thick map pulls back far less than the fixed pairs of
 ///   Gauss-Newton would (these claim a tenth of the true error). The function has steps; its slope is therefore
-///   measured over more than the standard error (Newey and McFadden 1994, section 7.3).
+///   measured over more than the standard error (Newey and McFadden 1994, section 7.3). Among leaves, which fill their
+///   place at random, a match always finds some pose that seems firm, so A shrinks in the directions in which the slope
+///   over twice the step is less than the robust weights make that of a firm hold.
 /// - B sums the force by patches of a metre before it is squared, since the points on one trunk or one stretch of
 ///   hedge err together (Liang and Zeger 1986), with the usual correction for the fitted parameters;
 /// - B also holds a range offset that all points share: rays clear the near side of what they meet, so that a map's

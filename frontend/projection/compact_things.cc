@@ -107,10 +107,10 @@ std::vector<Eigen::Vector2f> ThinnedThings(const CompactThingOptions& options,
                                            const std::vector<Eigen::Vector2f>& points) {
   if (!options.enabled) return points;
   std::vector<Thing> things = FindThings(points, static_cast<float>(options.max_gap));
-  // As seen from the lidar, over their whole breadth.
-  const auto is_wide = [&](Thing& thing) {
+  // By bearing: where two parts were joined they are out of order.
+  for (Thing& thing : things) std::sort(thing.points.begin(), thing.points.end());
+  const auto is_wide = [&](const Thing& thing) {
     if (thing.points.empty()) return true;
-    std::sort(thing.points.begin(), thing.points.end());
     const Eigen::Vector2f breadth = points[thing.points.front()] - points[thing.points.back()];
     return breadth.norm() > static_cast<float>(options.max_width);
   };

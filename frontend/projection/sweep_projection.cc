@@ -187,7 +187,7 @@ void SweepProjection::KeepLowThings(float column_width) {
   for (uint32_t column = 0; column < num_columns_; ++column) {
     still_open_.clear();
     for (uint32_t i = low_of_column_[column]; i != kNone; i = low_[i].next) {
-      Return& low = low_[i].value;
+      const Return& low = low_[i].value;
       const auto joined = std::find_if(open_.begin(), open_.end(), [&](uint32_t k) {
         return std::abs(low_runs_[k].range - low.range) <= kRangeTolerance;
       });

@@ -2,16 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
-#include <vector>
+#include <optional>
 
 namespace arborslam {
 namespace {
 
-constexpr size_t kMemory = 200;    // Errors that count.
-constexpr size_t kMinErrors = 30;  // Fewer tell nothing.
-constexpr double kQuantile = 0.95;
-constexpr double kNormalQuantile = 1.96;  // [standard deviations], of a normal error's amount.
 const Eigen::Vector3d kLeast(0.02, 0.02, 0.01);
 // Errors of successive predictions are not independent: a braking robot errs to the same side all the time.
 constexpr double kSafety = 2.0;
@@ -38,14 +33,10 @@ void MotionNoise::Add(const SE2& last_pose, const SE2& prediction, const SE2& ma
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     // What the other directions do not share: an optimistic figure, but 0 where nothing is known.
     if (information(axis, axis) * sigma_[axis] * sigma_[axis] < 1.0) continue;
-    std::deque<double>& errors = errors_[static_cast<size_t>(axis)];
-    errors.push_back(std::abs(error[axis]));
-    if (errors.size() > kMemory) errors.pop_front();
-    if (errors.size() < kMinErrors) continue;
-    std::vector<double> sorted(errors.begin(), errors.end());
-    const auto nth = sorted.begin() + static_cast<ptrdiff_t>(kQuantile * static_cast<double>(sorted.size() - 1));
-    std::nth_element(sorted.begin(), nth, sorted.end());
-    sigma_[axis] = std::min(std::max(kSafety * *nth / kNormalQuantile, kLeast[axis]), most[axis]);
+    ErrorQuantile& errors = errors_[static_cast<size_t>(axis)];
+    errors.Add(error[axis]);
+    const std::optional<double> learned = errors.Sigma(kSafety);
+    if (learned) sigma_[axis] = std::min(std::max(*learned, kLeast[axis]), most[axis]);
   }
 }
 

@@ -3,9 +3,9 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <deque>
 
 #include "core/geometry/se2.h"
+#include "frontend/tracking/error_quantile.h"
 #include "frontend/tracking/motion_model.h"
 
 namespace arborslam {
@@ -44,7 +44,7 @@ class MotionNoise {
   MotionOptions options_;
   Eigen::Vector3d sigma_;
   Eigen::Vector3d bias_ = Eigen::Vector3d::Zero();  // [m, m, rad], mean of the last few errors.
-  std::array<std::deque<double>, 3> errors_;        // [m, m, rad], the latest ones' amounts.
+  std::array<ErrorQuantile, 3> errors_;             // [m, m, rad]
 };
 
 }  // namespace arborslam

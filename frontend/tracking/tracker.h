@@ -94,7 +94,7 @@ class Tracker {
   ///                       it is searched for in all of the wide translation, without preferring to stand.
   /// @param sigma          standard deviations [m, m, rad] of the prediction, see `MotionNoise`: the first search goes
   ///                       no farther than needed.
-  /// @param by_wheels      `prediction` is measured. Then the second search goes around it as well, and not farther than
+  /// @param by_wheels      `prediction` is measured. Then the second search goes around it as well, and no farther than
   ///                       the near window's greatest size, growing as above: farther off, only another place would
   ///                       match. A scan most of which meets nothing known shows new ground, as behind a corner, and is
   ///                       put into the maps where it is predicted.

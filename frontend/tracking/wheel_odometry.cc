@@ -2,18 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
-#include <vector>
 
 #include "core/config/validation.h"
 
 namespace arborslam {
 namespace {
 
-constexpr size_t kMemory = 200;    // Errors that count.
-constexpr size_t kMinErrors = 30;  // Fewer tell nothing.
-constexpr double kQuantile = 0.95;
-constexpr double kNormalQuantile = 1.96;  // [standard deviations], of a normal error's amount.
 // Errors of successive steps are not independent: a wheel that is worn errs to the same side all the time.
 constexpr double kSafety = 1.5;
 constexpr double kLeastStretch = 0.3;
@@ -65,7 +59,7 @@ std::optional<OdometryStep> WheelOdometry::Since(const std::optional<SE2>& from,
 }
 
 void WheelOdometry::Commit(const std::optional<SE2>& pose, bool is_keyframe) {
-  is_used_ = is_used_ || pose.has_value();
+  has_odometry_ = has_odometry_ || pose.has_value();
   last_scan_ = pose;
   if (is_keyframe) last_keyframe_ = pose;
 }
@@ -78,14 +72,10 @@ void WheelOdometry::Learn(const OdometryStep& step, const SE2& matched, const Ei
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     // What the other directions do not share: an optimistic figure, but 0 where nothing is known.
     if (information(axis, axis) * step.sigma[axis] * step.sigma[axis] < 1.0) continue;
-    std::deque<double>& errors = errors_[static_cast<size_t>(axis)];
-    errors.push_back(std::abs(error[axis]) / before[axis]);
-    if (errors.size() > kMemory) errors.pop_front();
-    if (errors.size() < kMinErrors) continue;
-    std::vector<double> sorted(errors.begin(), errors.end());
-    const auto nth = sorted.begin() + static_cast<std::ptrdiff_t>(kQuantile * static_cast<double>(sorted.size() - 1));
-    std::nth_element(sorted.begin(), nth, sorted.end());
-    stretch_[axis] = std::clamp(kSafety * *nth / kNormalQuantile, kLeastStretch, kGreatestStretch);
+    ErrorQuantile& errors = errors_[static_cast<size_t>(axis)];
+    errors.Add(error[axis] / before[axis]);
+    const std::optional<double> learned = errors.Sigma(kSafety);
+    if (learned) stretch_[axis] = std::clamp(*learned, kLeastStretch, kGreatestStretch);
   }
 }
 

@@ -3,11 +3,11 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <deque>
 #include <optional>
 #include <string>
 
 #include "core/geometry/se2.h"
+#include "frontend/tracking/error_quantile.h"
 
 namespace arborslam {
 
@@ -69,23 +69,23 @@ class WheelOdometry {
   /// @param information  of `matched`, (x, y, theta) in its own frame [1/m^2, 1/rad^2].
   void Learn(const OdometryStep& step, const SE2& matched, const Eigen::Matrix3d& information);
 
-  /// True if the run has had odometry, used or not.
-  bool is_used() const { return is_used_; }
+  /// True if the run has had odometry, also if the options say not to use it.
+  bool has_odometry() const { return has_odometry_; }
 
   template <class Visitor>
   void VisitState(Visitor&& visit) {
-    visit(is_used_, last_scan_, last_keyframe_, stretch_, errors_);
+    visit(has_odometry_, last_scan_, last_keyframe_, stretch_, errors_);
   }
 
  private:
   std::optional<OdometryStep> Since(const std::optional<SE2>& from, const std::optional<SE2>& pose) const;
 
   OdometryOptions options_;
-  bool is_used_ = false;
+  bool has_odometry_ = false;
   std::optional<SE2> last_scan_;
   std::optional<SE2> last_keyframe_;
   Eigen::Vector3d stretch_ = Eigen::Vector3d::Ones();  // Of the options' standard deviations of x, y, theta.
-  std::array<std::deque<double>, 3> errors_;           // [options' standard deviations], the latest ones' amounts.
+  std::array<ErrorQuantile, 3> errors_;                // [options' standard deviations]
 };
 
 }  // namespace arborslam

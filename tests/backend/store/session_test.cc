@@ -93,6 +93,14 @@ void ExpectSameKeyframes(const std::vector<Keyframe>& a, const std::vector<Keyfr
   }
 }
 
+// A run of `scans` in one piece.
+Slam WholeRun(const std::vector<Scan>& scans) {
+  Slam slam(SlamOptions(), 1);
+  for (const Scan& scan : scans) std::visit([&slam](const auto& any) { slam.AddScan(any); }, scan);
+  slam.Finish(false);
+  return slam;
+}
+
 class SessionTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -116,6 +124,13 @@ class SessionTest : public testing::Test {
     for (size_t i = 0; i < end; ++i) results.push_back(Add(scans[i], slam, session.get()));
     session->Commit(*slam);
     return results;
+  }
+
+  // A run of `scans` that is broken off after `end` of them, and gone on with.
+  Slam GoOnAfter(size_t end, const std::vector<Scan>& scans) const {
+    Slam slam(SlamOptions(), 1);
+    TrackUpTo(end, scans, &slam);
+    return GoOn(scans);
   }
 
   // Goes on with the session and ends the run; returns the run.
@@ -172,14 +187,10 @@ TEST_F(SessionTest, HoldsAllOfARunThatHasNotEnded) {
 
 TEST_F(SessionTest, GoesOnToTheSameBitsFromAnyScan) {
   const std::vector<Scan> scans = PlanarScans();
-  Slam whole(SlamOptions(), 1);
-  for (const Scan& scan : scans) whole.AddScan(std::get<LaserScan>(scan));
-  whole.Finish(false);
+  const Slam whole = WholeRun(scans);
   for (const size_t end : {size_t{0}, size_t{1}, size_t{2}, size_t{9}, size_t{21}, scans.size() / 2, scans.size()}) {
     SCOPED_TRACE(end);
-    Slam slam(SlamOptions(), 1);
-    TrackUpTo(end, scans, &slam);
-    const Slam resumed = GoOn(scans);
+    const Slam resumed = GoOnAfter(end, scans);
     ExpectSameGraph(resumed.graph(), whole.graph());
     EXPECT_EQ(BytesOf(resumed.scans()), BytesOf(whole.scans()));
     EXPECT_EQ(BytesOf(resumed.submaps()), BytesOf(whole.submaps()));
@@ -200,14 +211,10 @@ TEST_F(SessionTest, GoesOnWithWheelOdometry) {
     if (i % 11 != 5) std::get<LaserScan>(scans[i]).odometry = wheels;
     wheels = wheels * SE2(0.27, 0.01, 0.02);
   }
-  Slam whole(SlamOptions(), 1);
-  for (const Scan& scan : scans) whole.AddScan(std::get<LaserScan>(scan));
-  whole.Finish(false);
+  const Slam whole = WholeRun(scans);
   for (const size_t end : {size_t{1}, size_t{6}, size_t{13}, scans.size() / 2}) {
     SCOPED_TRACE(end);
-    Slam slam(SlamOptions(), 1);
-    TrackUpTo(end, scans, &slam);
-    const Slam resumed = GoOn(scans);
+    const Slam resumed = GoOnAfter(end, scans);
     ExpectSameGraph(resumed.graph(), whole.graph());
     EXPECT_EQ(BytesOf(resumed.scans()), BytesOf(whole.scans()));
   }
@@ -215,14 +222,10 @@ TEST_F(SessionTest, GoesOnWithWheelOdometry) {
 
 TEST_F(SessionTest, GoesOnWithSweepsToo) {
   const std::vector<Scan> scans = SpatialScans(90);
-  Slam whole(SlamOptions(), 1);
-  for (const Scan& scan : scans) whole.AddScan(std::get<LidarSweep>(scan));
-  whole.Finish(false);
+  const Slam whole = WholeRun(scans);
   for (const size_t end : {size_t{1}, size_t{45}}) {
     SCOPED_TRACE(end);
-    Slam slam(SlamOptions(), 1);
-    TrackUpTo(end, scans, &slam);
-    const Slam resumed = GoOn(scans);
+    const Slam resumed = GoOnAfter(end, scans);
     ExpectSameGraph(resumed.graph(), whole.graph());
     EXPECT_EQ(BytesOf(resumed.scans()), BytesOf(whole.scans()));
     const SessionContents contents = ReadSession(Path());
@@ -233,9 +236,7 @@ TEST_F(SessionTest, GoesOnWithSweepsToo) {
 
 TEST_F(SessionTest, AFinishedSessionGoesOnAsWell) {
   const std::vector<Scan> scans = PlanarScans();
-  Slam whole(SlamOptions(), 1);
-  for (const Scan& scan : scans) whole.AddScan(std::get<LaserScan>(scan));
-  whole.Finish(false);
+  const Slam whole = WholeRun(scans);
   const std::vector<Scan> half(scans.begin(), scans.begin() + static_cast<std::ptrdiff_t>(scans.size() / 2));
   Slam slam(SlamOptions(), 1);
   TrackUpTo(10, half, &slam);

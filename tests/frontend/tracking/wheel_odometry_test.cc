@@ -16,12 +16,12 @@ const Eigen::Matrix3d kSure = 1e8 * Eigen::Matrix3d::Identity();
 
 TEST(WheelOdometryTest, GivesTheMotionInTheLidarsFrame) {
   WheelOdometry wheels((OdometryOptions()));
-  EXPECT_FALSE(wheels.is_used());
+  EXPECT_FALSE(wheels.has_odometry());
   EXPECT_FALSE(wheels.SinceScan(SE2(1.0, 2.0, 0.3)).has_value());
   const SE2 first(5.0, -3.0, 2.0);
   const SE2 motion(0.4, 0.1, -0.2);
   wheels.Commit(first, true);
-  EXPECT_TRUE(wheels.is_used());
+  EXPECT_TRUE(wheels.has_odometry());
   ASSERT_TRUE(wheels.SinceScan(first * motion).has_value());
   EXPECT_TRUE(wheels.SinceScan(first * motion)->motion.IsApprox(motion));
   // A scan that is no keyframe lies between: steps from the keyframe go on.
