@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "core/geometry/cpu_clones.h"
+
 namespace arborslam {
 
-void Deskew(const LidarSweep& sweep, const std::vector<float>& phases, const SweepMotion& motion,
-            std::vector<Eigen::Vector3f>* points) {
+ARBORSLAM_CPU_CLONES void Deskew(const LidarSweep& sweep, const std::vector<float>& phases, const SweepMotion& motion,
+                                 std::vector<Eigen::Vector3f>* points) {
   const bool is_still = motion.velocity.isZero(0.0f) && motion.angular_velocity.isZero(0.0f);
   if (phases.empty() || is_still || !(sweep.duration > 0.0)) {
     points->assign(sweep.points.begin(), sweep.points.end());

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 
+#include "core/geometry/cpu_clones.h"
+
 namespace arborslam {
 
-void Azimuths(const Eigen::Vector3f* points, size_t num_points, float* azimuths) {
+ARBORSLAM_CPU_CLONES void Azimuths(const Eigen::Vector3f* points, size_t num_points, float* azimuths) {
   constexpr size_t kBlock = 64;
   float x[kBlock];
   float y[kBlock];

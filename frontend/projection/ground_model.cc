@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "core/geometry/cpu_clones.h"
+
 namespace arborslam {
 namespace {
 
@@ -33,14 +35,21 @@ Eigen::Matrix3f LevelRotation(const Eigen::Vector3f& normal) {
 }
 
 GroundModel::GroundModel()
-    : nodes_(kNodes * kNodes),
-      heights_(kNodes * kNodes),
-      returns_(kNodes * kNodes),
-      sums_(kSampleCells * kSampleCells) {
+    : heights_(kStride * kStride),
+      lows_(kStride * kStride),
+      pulls_(kStride * kStride),
+      shares_(kStride * kStride),
+      shares_alone_(kStride * kStride),
+      ranges_(kStride * kStride),
+      num_neighbours_(kStride * kStride),
+      returns_(kStride * kStride) {
+  const auto num_sides = [](int i) { return i == 0 || i == kNodes - 1 ? 1.0f : 2.0f; };
   for (int y = 0; y < kNodes; ++y) {
     for (int x = 0; x < kNodes; ++x) {
-      node_ranges_.push_back(kNodeSpacing *
-                             std::hypot(static_cast<float>(x - kNodes / 2), static_cast<float>(y - kNodes / 2)));
+      const size_t i = NodeAt(x, y);
+      ranges_[i] = kNodeSpacing * std::hypot(static_cast<float>(x - kNodes / 2), static_cast<float>(y - kNodes / 2));
+      num_neighbours_[i] = num_sides(x) + num_sides(y);
+      shares_alone_[i] = kSmoothness / (kSmoothness * num_neighbours_[i] + kFlatness);
     }
   }
 }
@@ -49,44 +58,50 @@ void GroundModel::Build(const std::vector<Eigen::Vector3f>& lowest_returns, cons
   rotation_ = LevelRotation(fit.normal);
   lidar_height_ = fit.height;
   for (std::vector<float>& returns : returns_) returns.clear();
-  std::fill(heights_.begin(), heights_.end(), 0.0f);
   for (const Eigen::Vector3f& point : lowest_returns) {
     const Eigen::Vector3f p = rotation_ * point;
     const auto x = static_cast<int>(std::floor((p.x() + kReach) / kNodeSpacing + 0.5f));
     const auto y = static_cast<int>(std::floor((p.y() + kReach) / kNodeSpacing + 0.5f));
     if (x < 0 || y < 0 || x >= kNodes || y >= kNodes) continue;
-    returns_[static_cast<size_t>(y * kNodes + x)].push_back(p.z() + lidar_height_);
+    returns_[NodeAt(x, y)].push_back(p.z() + lidar_height_);
   }
-  for (size_t i = 0; i < nodes_.size(); ++i) {
+  lows_.assign(lows_.size(), 0.0f);
+  pulls_.assign(pulls_.size(), 0.0f);
+  shares_ = shares_alone_;
+  for (size_t i = 0; i < returns_.size(); ++i) {
     std::vector<float>& returns = returns_[i];
-    if (returns.empty()) {
-      nodes_[i] = {};
-      continue;
-    }
+    if (returns.empty()) continue;
     const size_t quarter = returns.size() / 4;
     std::nth_element(returns.begin(), returns.begin() + static_cast<ptrdiff_t>(quarter), returns.end());
-    nodes_[i] = {returns[quarter], std::min(1.0f, 0.25f * static_cast<float>(returns.size()))};
+    const float weight = std::min(1.0f, 0.25f * static_cast<float>(returns.size()));
+    const float total = weight + kSmoothness * num_neighbours_[i] + kFlatness;
+    lows_[i] = returns[quarter];
+    pulls_[i] = weight * lows_[i] / total;
+    shares_[i] = kSmoothness / total;
   }
-  // Gauss and Seidel's iteration; what lies too far above the surroundings is left out, the closer the longer.
+  Smooth();
+}
+
+ARBORSLAM_CPU_CLONES void GroundModel::Smooth() {
+  heights_.assign(heights_.size(), 0.0f);
+  // Along a row all at once, by Jacobi's iteration, from row to row by Gauss and Seidel's. What lies too far above the
+  // surroundings is left out, the closer the longer.
+  std::array<float, kNodes> row;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
+    const float slope = iteration < kIterations / 2 ? kFirstSlope : kLastSlope;
+    const float margin = iteration < kIterations / 2 ? kFirstMargin : kLastMargin;
+    const float around_counts = iteration < kIterations / 2 ? 0.0f : 1.0f;
     for (int y = 0; y < kNodes; ++y) {
-      for (int x = 0; x < kNodes; ++x) {
-        const auto i = static_cast<size_t>(y * kNodes + x);
-        float sum = 0.0f;
-        float count = 0.0f;
-        if (x > 0) sum += heights_[i - 1], count += 1.0f;
-        if (x + 1 < kNodes) sum += heights_[i + 1], count += 1.0f;
-        if (y > 0) sum += heights_[i - kNodes], count += 1.0f;
-        if (y + 1 < kNodes) sum += heights_[i + kNodes], count += 1.0f;
-        const float around = sum / count;
-        float weight = nodes_[i].weight;
-        if (weight > 0.0f) {
-          const float limit = iteration < kIterations / 2 ? kFirstMargin + kFirstSlope * node_ranges_[i]
-                                                          : around + kLastMargin + kLastSlope * node_ranges_[i];
-          if (nodes_[i].low > limit) weight = 0.0f;
-        }
-        heights_[i] = (weight * nodes_[i].low + kSmoothness * sum) / (weight + kSmoothness * count + kFlatness);
+      const size_t begin = NodeAt(0, y);
+      for (size_t x = 0; x < kNodes; ++x) {
+        const size_t i = begin + x;
+        const float sum = (heights_[i - 1] + heights_[i + 1]) + (heights_[i - kStride] + heights_[i + kStride]);
+        const float over = (lows_[i] - margin - slope * ranges_[i]) * num_neighbours_[i] - around_counts * sum;
+        const float alone = shares_alone_[i] * sum;
+        const float held = pulls_[i] + shares_[i] * sum;
+        row[x] = over > 0.0f ? alone : held;
       }
+      std::copy(row.begin(), row.end(), heights_.begin() + static_cast<ptrdiff_t>(begin));
     }
   }
 }
@@ -98,7 +113,7 @@ float GroundModel::ToNodes(float coordinate) {
 
 float GroundModel::Interpolate(const float* node, float u, float v) {
   const float low = node[0] + u * (node[1] - node[0]);
-  const float high = node[kNodes] + u * (node[kNodes + 1] - node[kNodes]);
+  const float high = node[kStride] + u * (node[kStride + 1] - node[kStride]);
   return low + v * (high - low);
 }
 
@@ -107,13 +122,13 @@ float GroundModel::HeightAt(float x, float y) const {
   const float v = ToNodes(y);
   const int column = static_cast<int>(u);
   const int row = static_cast<int>(v);
-  return Interpolate(&heights_[static_cast<size_t>(row * kNodes + column)], u - static_cast<float>(column),
-                     v - static_cast<float>(row));
+  return Interpolate(&heights_[NodeAt(column, row)], u - static_cast<float>(column), v - static_cast<float>(row));
 }
 
-void GroundModel::Measure(const std::vector<Eigen::Vector3f>& points, std::vector<float>* heights) {
+ARBORSLAM_CPU_CLONES void GroundModel::Measure(const std::vector<Eigen::Vector3f>& points,
+                                               std::vector<float>* heights) {
   heights->resize(points.size());
-  std::fill(sums_.begin(), sums_.end(), Eigen::Vector4f::Zero());
+  for (auto& sums : sums_) sums.assign(kSampleCells * kSampleCells, Eigen::Vector4f::Zero());
   // In blocks: first what the compiler can vectorise.
   constexpr size_t kBlock = 64;
   std::array<float, kBlock> x;
@@ -123,6 +138,7 @@ void GroundModel::Measure(const std::vector<Eigen::Vector3f>& points, std::vecto
   std::array<float, kBlock> v;
   std::array<float, kBlock> above_band;
   std::array<int, kBlock> node_of;
+  std::array<int, kBlock> cell_of;
   const Eigen::Matrix3f r = rotation_;
   for (size_t begin = 0; begin < points.size(); begin += kBlock) {
     const size_t size = std::min(kBlock, points.size() - begin);
@@ -140,11 +156,13 @@ void GroundModel::Measure(const std::vector<Eigen::Vector3f>& points, std::vecto
       y[i] = level_y;
       u[i] = ToNodes(level_x);
       v[i] = ToNodes(level_y);
+      // Of those that are out of reach, none is asked for its cell.
+      cell_of[i] = static_cast<int>(v[i] * kNodeSpacing) * kSampleCells + static_cast<int>(u[i] * kNodeSpacing);
       const int column = static_cast<int>(u[i]);
       const int row = static_cast<int>(v[i]);
       u[i] -= static_cast<float>(column);
       v[i] -= static_cast<float>(row);
-      node_of[i] = row * kNodes + column;
+      node_of[i] = (row + 1) * kStride + column + 1;
     }
     float* const height = heights->data() + begin;
     for (size_t i = 0; i < size; ++i) {
@@ -160,18 +178,16 @@ void GroundModel::Measure(const std::vector<Eigen::Vector3f>& points, std::vecto
       above = farther < kReach ? above : 1.0f;
       above_band[i] = range_squared >= kMinSampleRange * kMinSampleRange ? above : 1.0f;
     }
+    // By turns to one of two sums: neighbours in a ring mostly lie in one cell, and would wait for one another.
     for (size_t i = 0; i < size; ++i) {
       if (above_band[i] > 0.0f) continue;
-      // Just below the border the sum is rounded up to it.
-      const int column = std::min(kSampleCells - 1, static_cast<int>(x[i] + kReach));
-      const int row = std::min(kSampleCells - 1, static_cast<int>(y[i] + kReach));
-      Eigen::Vector4f& sum = sums_[static_cast<size_t>(row * kSampleCells + column)];
       const Eigen::Vector3f& p = points[begin + i];
-      sum += Eigen::Vector4f(p.x(), p.y(), p.z(), 1.0f);
+      sums_[i % 2][static_cast<size_t>(cell_of[i])] += Eigen::Vector4f(p.x(), p.y(), p.z(), 1.0f);
     }
   }
   samples_.clear();
-  for (const Eigen::Vector4f& sum : sums_) {
+  for (size_t cell = 0; cell < sums_[0].size(); ++cell) {
+    const Eigen::Vector4f sum = sums_[0][cell] + sums_[1][cell];
     if (sum.w() >= kMinSampleCount) samples_.push_back({sum.head<3>() / sum.w(), sum.w()});
   }
 }

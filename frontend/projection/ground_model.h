@@ -2,6 +2,8 @@
 #define ARBORSLAM_FRONTEND_PROJECTION_GROUND_MODEL_H_
 
 #include <Eigen/Core>
+#include <array>
+#include <cstddef>
 #include <vector>
 
 #include "core/sensor/ground_sample.h"
@@ -40,10 +42,12 @@ class GroundModel {
   static constexpr int kNodes = 25;            // Along an edge.
   static constexpr int kSampleCells = 36;      // Along an edge, of 1 m.
 
-  struct Node {
-    float low = 0.0f;     // [m], what the returns say.
-    float weight = 0.0f;  // 0: no returns.
-  };
+  static constexpr int kStride = kNodes + 2;  // Around the nodes lies a frame of zeros.
+
+  // Index of a node, from 0 on along either edge.
+  static size_t NodeAt(int column, int row) { return static_cast<size_t>((row + 1) * kStride + column + 1); }
+  // The surface, node by node until it is steady.
+  void Smooth();
 
   // Where a coordinate lies between the nodes [nodes], held within the grid.
   static float ToNodes(float coordinate);
@@ -52,11 +56,17 @@ class GroundModel {
 
   Eigen::Matrix3f rotation_ = Eigen::Matrix3f::Identity();
   float lidar_height_ = 0.0f;
-  std::vector<Node> nodes_;
-  std::vector<float> node_ranges_;           // [m], from the lidar.
-  std::vector<float> heights_;               // [m], of the nodes.
-  std::vector<std::vector<float>> returns_;  // Heights [m] of the lowest returns around each node.
-  std::vector<Eigen::Vector4f> sums_;        // Of the ground returns of each sample cell, and their number.
+  // For every node, and 0 for the frame. A node's height is pull + share * (the sum of its neighbours' heights), or
+  // share_alone * (that sum) if its returns have no say.
+  std::vector<float> heights_;  // [m]
+  std::vector<float> lows_;     // [m], what the returns say.
+  std::vector<float> pulls_;
+  std::vector<float> shares_;
+  std::vector<float> shares_alone_;
+  std::vector<float> ranges_;  // [m], from the lidar.
+  std::vector<float> num_neighbours_;
+  std::vector<std::vector<float>> returns_;           // Heights [m] of the lowest returns around each node.
+  std::array<std::vector<Eigen::Vector4f>, 2> sums_;  // Of the ground returns of each sample cell, and their number.
   std::vector<GroundSample> samples_;
 };
 

@@ -8,6 +8,8 @@
 #include <cstddef>
 #include <limits>
 
+#include "core/geometry/cpu_clones.h"
+
 namespace arborslam {
 
 LowestReturns::LowestReturns(float cell_size, float min_range, float max_range)
@@ -18,8 +20,8 @@ LowestReturns::LowestReturns(float cell_size, float min_range, float max_range)
   cells_.resize(static_cast<size_t>(width_) * static_cast<size_t>(width_));
 }
 
-const std::vector<Eigen::Vector3f>& LowestReturns::Find(const std::vector<Eigen::Vector3f>& points,
-                                                        const Eigen::Vector3f& up) {
+ARBORSLAM_CPU_CLONES const std::vector<Eigen::Vector3f>& LowestReturns::Find(const std::vector<Eigen::Vector3f>& points,
+                                                                             const Eigen::Vector3f& up) {
   constexpr float kNone = std::numeric_limits<float>::infinity();
   std::fill(cells_.begin(), cells_.end(), Cell{kNone, 0});
   // In blocks: cells and heights first, which the compiler can vectorise, then the comparisons.

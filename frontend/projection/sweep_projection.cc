@@ -4,11 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <functional>
 #include <limits>
 
 #include "core/config/validation.h"
 #include "core/geometry/angles.h"
+#include "core/geometry/cpu_clones.h"
 #include "frontend/projection/fast_atan2.h"
 
 namespace arborslam {
@@ -19,10 +21,15 @@ constexpr float kPiF = 3.14159265f;
 constexpr size_t kSectors = 720;
 constexpr float kInverseSector = static_cast<float>(kSectors) / (2.0f * kPiF);
 constexpr int kRangeSteps = 64;
+constexpr float kEndStep = static_cast<float>(kRangeSteps);
 constexpr float kLowObject = 0.4f;       // [m], the lowest thing that is mapped by a lidar close to the ground,
 constexpr float kLowObjectShare = 0.5f;  // and, as a share of its height, by one far above it.
 constexpr float kBlindRange = 3.0f;      // [m], from here on at the latest must the ground be in sight.
 constexpr float kFreeMargin = 0.15f;     // [m], before something solid.
+constexpr int kLanes = 8;
+using Lanes = float __attribute__((vector_size(sizeof(float) * kLanes)));
+using IntLanes = int __attribute__((vector_size(sizeof(int) * kLanes)));
+constexpr IntLanes kLaneIndices = {0, 1, 2, 3, 4, 5, 6, 7};
 constexpr size_t kMostLayers = 8;
 constexpr float kLayerHeight = 0.5f;      // [m], how far over one another returns are looked at together.
 constexpr float kRangeTolerance = 0.05f;  // [m], between returns from a solid thing, plus a column's width.
@@ -37,8 +44,8 @@ constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 constexpr size_t kMinClusters = 50;  // Less solid ones are kept up to this number.
 constexpr size_t kMaxClusters = 1000;
 
-size_t SectorOf(float bearing) {
-  return std::min(kSectors - 1, static_cast<size_t>((bearing + kPiF) * kInverseSector));
+int SectorOf(float bearing) {
+  return std::min(static_cast<int>(kSectors) - 1, static_cast<int>((bearing + kPiF) * kInverseSector));
 }
 
 }  // namespace
@@ -73,7 +80,12 @@ double HeightLikelihood(double z, double mean_canopy_height) {
 
 double MinHeightLikelihood(double mean_canopy_height) { return 0.5 * kLn2 / mean_canopy_height; }
 
-SweepProjection::SweepProjection(const SweepProjectionOptions& options) : options_(options) {}
+SweepProjection::SweepProjection(const SweepProjectionOptions& options) : options_(options) {
+  for (size_t s = 0; s < kSectors; ++s) {
+    const float bearing = (static_cast<float>(s) + 0.5f) / kInverseSector - kPiF;
+    directions_.emplace_back(std::cos(bearing), std::sin(bearing));
+  }
+}
 
 PlanarScan SweepProjection::Project(const Input& input, const Eigen::Matrix3f& R_base_lidar) {
   Select(input, R_base_lidar);
@@ -97,7 +109,7 @@ PlanarScan SweepProjection::Project(const Input& input, const Eigen::Matrix3f& R
   return scan;
 }
 
-void SweepProjection::Select(const Input& input, const Eigen::Matrix3f& R_base_lidar) {
+ARBORSLAM_CPU_CLONES void SweepProjection::Select(const Input& input, const Eigen::Matrix3f& R_base_lidar) {
   const std::vector<Eigen::Vector3f>& points = *input.points;
   const std::vector<float>& heights = *input.heights;
   const bool has_phases = input.phases != nullptr && !input.phases->empty();
@@ -121,27 +133,25 @@ void SweepProjection::Select(const Input& input, const Eigen::Matrix3f& R_base_l
   seen_.assign(kSectors, 0);
   first_.assign(kSectors, std::numeric_limits<float>::infinity());
 
-  // In blocks of what lies low enough: first what the compiler can vectorise.
+  // In blocks: first what the compiler can vectorise.
   constexpr size_t kBlock = 64;
   std::array<float, kBlock> x;
   std::array<float, kBlock> y;
   std::array<float, kBlock> z;
-  std::array<float, kBlock> height;
-  std::array<float, kBlock> phase;
   std::array<float, kBlock> range;
   std::array<float, kBlock> bearing;
-  std::array<float, kBlock> low_from;
+  std::array<int, kBlock> sector;
+  std::array<int, kBlock> column_of;
+  std::array<int, kBlock> low_from;
+  std::array<int, kBlock> low_to;
   const Eigen::Matrix3f r = R_base_lidar;
-  for (size_t next = 0; next < points.size();) {
-    size_t size = 0;
-    for (; next < points.size() && size < kBlock; ++next) {
-      x[size] = points[next].x();
-      y[size] = points[next].y();
-      z[size] = points[next].z();
-      height[size] = heights[next];
-      phase[size] = has_phases ? (*input.phases)[next] : 0.0f;
-      // Eq. 6: see MinHeightLikelihood.
-      size += heights[next] <= most_height ? 1 : 0;
+  for (size_t begin = 0; begin < points.size(); begin += kBlock) {
+    const size_t size = std::min(kBlock, points.size() - begin);
+    const float* const height = heights.data() + begin;
+    for (size_t i = 0; i < size; ++i) {
+      x[i] = points[begin + i].x();
+      y[i] = points[begin + i].y();
+      z[i] = points[begin + i].z();
     }
     for (size_t i = 0; i < size; ++i) {
       const float base_x = r(0, 0) * x[i] + r(0, 1) * y[i] + r(0, 2) * z[i];
@@ -151,32 +161,34 @@ void SweepProjection::Select(const Input& input, const Eigen::Matrix3f& R_base_l
       range[i] = std::sqrt(base_x * base_x + base_y * base_y);
       bearing[i] = FastAtan2(base_y, base_x);
       // The beam came down from the lidar in a straight line: from here on it was low enough to meet the lowest object.
-      low_from[i] = range[i] * over_object / (over_object + low_object - height[i]);
+      const float from = range[i] * over_object / (over_object + low_object - height[i]);
+      low_from[i] = static_cast<int>(std::max(0.0f, std::min(from * inverse_step + 0.5f, kEndStep)));
+      low_to[i] = static_cast<int>(std::min(range[i] * inverse_step + 0.5f, kEndStep));
+      sector[i] = SectorOf(bearing[i]);
+      column_of[i] = static_cast<int>((bearing[i] + kPiF) * inverse_width);
     }
     for (size_t i = 0; i < size; ++i) {
-      if (!(range[i] >= min_range) || std::abs(bearing[i]) > max_bearing) continue;
-      if (height[i] < low_object) {
-        const int from = static_cast<int>(low_from[i] * inverse_step + 0.5f);
-        const int to = static_cast<int>(std::min(range[i] * inverse_step + 0.5f, static_cast<float>(kRangeSteps)));
-        if (from < to) {
-          const uint64_t up_to = to == kRangeSteps ? ~uint64_t{0} : (uint64_t{1} << to) - 1;
-          seen_[SectorOf(bearing[i])] |= up_to & ~((uint64_t{1} << from) - 1);
-        }
+      // Eq. 6: see MinHeightLikelihood.
+      if (!(height[i] <= most_height) || !(range[i] >= min_range) || std::abs(bearing[i]) > max_bearing) continue;
+      if (height[i] < low_object && low_from[i] < low_to[i]) {
+        const uint64_t up_to = low_to[i] == kRangeSteps ? ~uint64_t{0} : (uint64_t{1} << low_to[i]) - 1;
+        seen_[static_cast<size_t>(sector[i])] |= up_to & ~((uint64_t{1} << low_from[i]) - 1);
       }
       const float margin = ground_margin + ground_growth * range[i];
       if (height[i] < std::min(margin, kLowMargin + kLowGrowth * range[i]) || range[i] > max_range) continue;
-      const auto column = static_cast<size_t>((bearing[i] + kPiF) * inverse_width);
+      const auto column = static_cast<size_t>(column_of[i]);
+      const float phase = has_phases ? (*input.phases)[begin + i] : 0.0f;
       if (height[i] < margin) {
-        low_.push_back({{x[i], y[i], range[i], phase[i], static_cast<uint32_t>(column)}, low_of_column_[column]});
+        low_.push_back({{x[i], y[i], range[i], phase, static_cast<uint32_t>(column)}, low_of_column_[column]});
         low_of_column_[column] = static_cast<uint32_t>(low_.size() - 1);
         continue;
       }
-      float& first = first_[SectorOf(bearing[i])];
+      float& first = first_[static_cast<size_t>(sector[i])];
       first = std::min(first, range[i]);
       const auto layer = std::min(num_layers - 1, static_cast<size_t>(std::max(0.0f, height[i]) / kLayerHeight));
       const auto bin = static_cast<uint32_t>(layer * num_columns_ + column);
       ++bin_ends_[bin + 1];
-      kept_.push_back({x[i], y[i], range[i], phase[i], bin});
+      kept_.push_back({x[i], y[i], range[i], phase, bin});
     }
   }
 }
@@ -214,7 +226,7 @@ void SweepProjection::MakeClusters() {
   for (size_t b = 1; b < bin_ends_.size(); ++b) bin_ends_[b] += bin_ends_[b - 1];
   sorted_.resize(kept_.size());
   for (const Return& r : kept_) sorted_[bin_ends_[r.bin]++] = r;
-  ranges_.resize(sorted_.size());
+  ranges_.resize(sorted_.size() + kLanes, std::numeric_limits<float>::infinity());
   const auto depth = static_cast<float>(options_.column_depth);
   clusters_.clear();
   for (uint32_t begin = 0; begin < sorted_.size();) {
@@ -242,31 +254,47 @@ void SweepProjection::MakeClusters() {
   }
 }
 
-float SweepProjection::Solidity(const Cluster& cluster, float column_width) const {
+ARBORSLAM_CPU_CLONES float SweepProjection::Solidity(const Cluster& cluster, float column_width) const {
   const float tolerance = kRangeTolerance + column_width * cluster.range;
-  const auto column = static_cast<int>(cluster.bin % num_columns_);
+  const auto column = static_cast<int>(cluster.bin % static_cast<uint32_t>(num_columns_));
   const int side = std::clamp(static_cast<int>(kHalfWidth / (cluster.range * column_width)), 1, kMostColumns);
   const auto left = static_cast<size_t>(static_cast<int>(cluster.bin) - std::min(side, column));
   const auto right =
       static_cast<size_t>(static_cast<int>(cluster.bin) + std::min(side, static_cast<int>(num_columns_) - 1 - column));
   // The bins of a layer follow one another: those to the left, the cluster's own, those to the right.
-  const size_t ends[4] = {left == 0 ? 0 : bin_ends_[left - 1], cluster.bin == 0 ? 0 : bin_ends_[cluster.bin - 1],
-                          bin_ends_[cluster.bin], bin_ends_[right]};
-  float all[3];
-  float near[3];
-  for (size_t part = 0; part < 3; ++part) {
-    int count = 0;
-    for (size_t i = ends[part]; i < ends[part + 1]; ++i) {
-      count += std::abs(ranges_[i] - cluster.range) <= tolerance ? 1 : 0;
-    }
-    near[part] = static_cast<float>(count);
-    all[part] = static_cast<float>(ends[part + 1] - ends[part]);
+  const auto begin_of = [this](size_t bin) { return bin == 0 ? 0u : bin_ends_[bin - 1]; };
+  const size_t ends[4] = {begin_of(left), begin_of(cluster.bin), bin_ends_[cluster.bin], bin_ends_[right]};
+  // Of eight returns at once, -1 for each that is near; those of each part are added up.
+  const Lanes range = Lanes{} + cluster.range;
+  const IntLanes own_begin = IntLanes{} + static_cast<int>(ends[1]);
+  const IntLanes own_end = IntLanes{} + static_cast<int>(ends[2]);
+  const IntLanes end = IntLanes{} + static_cast<int>(ends[3]);
+  IntLanes before_own{};
+  IntLanes before_right{};
+  IntLanes before_end{};
+  for (size_t i = ends[0]; i < ends[3]; i += kLanes) {
+    Lanes distance;
+    std::memcpy(&distance, &ranges_[i], sizeof(distance));
+    distance -= range;
+    const IntLanes is_near = (distance <= tolerance) & (distance >= -tolerance);
+    const IntLanes index = kLaneIndices + static_cast<int>(i);
+    before_own -= is_near & (index < own_begin);
+    before_right -= is_near & (index < own_end);
+    before_end -= is_near & (index < end);
   }
+  const auto sum = [](const IntLanes& lanes) {
+    int total = 0;
+    for (int lane = 0; lane < kLanes; ++lane) total += lanes[lane];
+    return total;
+  };
+  const int num_near[4] = {0, sum(before_own), sum(before_right), sum(before_end)};
   // Seen at the edge of a trunk, only one of the sides is solid.
-  const auto score = [](float n, float m) { return (n - 1.0f) / (m + 1.0f); };
-  return std::max({score(near[1], all[1]), score(near[0] + near[1], all[0] + all[1]),
-                   score(near[1] + near[2], all[1] + all[2]),
-                   score(near[0] + near[1] + near[2], all[0] + all[1] + all[2])});
+  const auto score = [&](size_t from, size_t to) {
+    const auto n = static_cast<float>(num_near[to] - num_near[from]);
+    const auto m = static_cast<float>(ends[to] - ends[from]);
+    return (n - 1.0f) / (m + 1.0f);
+  };
+  return std::max({score(1, 2), score(0, 2), score(1, 3), score(0, 3)});
 }
 
 void SweepProjection::FindSolid(float column_width) {
@@ -363,8 +391,7 @@ void SweepProjection::MakePoints() {
 void SweepProjection::AddFreeRays(PlanarScan* scan) const {
   const auto step_length = static_cast<float>(options_.max_range) / kRangeSteps;
   for (size_t s = 0; s < kSectors; ++s) {
-    const float bearing = (static_cast<float>(s) + 0.5f) / kInverseSector - kPiF;
-    const Eigen::Vector2f direction(std::cos(bearing), std::sin(bearing));
+    const Eigen::Vector2f& direction = directions_[s];
     if (std::isfinite(first_[s])) scan->first_returns.push_back(first_[s] * direction);
     const uint64_t seen = seen_[s];
     if (seen == 0) continue;

@@ -148,9 +148,10 @@ class SweepProjection {
   std::vector<Return> sorted_;  // By bin, then by range.
   std::vector<float> ranges_;   // [m], of sorted_.
   std::vector<uint32_t> bin_ends_;
-  std::vector<uint64_t> seen_;  // For each sector, the steps of range that were seen down to the ground.
-  std::vector<float> first_;    // [m], for each sector, the nearest return.
-  std::vector<float> nearest_;  // [m], for each sector, the nearest thing that may be solid.
+  std::vector<Eigen::Vector2f> directions_;  // Unit vectors, of the sectors' middles.
+  std::vector<uint64_t> seen_;               // For each sector, the steps of range that were seen down to the ground.
+  std::vector<float> first_;                 // [m], for each sector, the nearest return.
+  std::vector<float> nearest_;               // [m], for each sector, the nearest thing that may be solid.
   std::vector<Cluster> clusters_;
   std::vector<float> solidities_;
   std::vector<Cluster> solid_;

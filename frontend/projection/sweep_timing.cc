@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "core/geometry/cpu_clones.h"
 #include "frontend/projection/fast_atan2.h"
 
 namespace arborslam {
@@ -18,6 +19,7 @@ constexpr float kMinSteadiness = 0.8f;   // Net turning over all turning.
 constexpr float kMaxColumnTurns = 1.5f;  // More turns than this are rings.
 constexpr float kMinSameSign = 0.8f;     // Share of steps that turn the rings' way.
 constexpr float kInverseTurn = 0.159154943f;
+constexpr size_t kLanes = 8;
 constexpr size_t kSeamBins = 90;
 
 // To [-0.5, 0.5], from [-1, 1].
@@ -59,7 +61,7 @@ float RingSeam(const std::vector<Eigen::Vector3f>& points) {
 
 }  // namespace
 
-void PointPhases(const LidarSweep& sweep, std::vector<float>* phases) {
+ARBORSLAM_CPU_CLONES void PointPhases(const LidarSweep& sweep, std::vector<float>* phases) {
   phases->clear();
   const std::vector<Eigen::Vector3f>& points = sweep.points;
   if (!(sweep.duration > 0.0)) return;
@@ -85,22 +87,28 @@ void PointPhases(const LidarSweep& sweep, std::vector<float>* phases) {
     phases->resize(points.size());
     Azimuths(points.data(), points.size(), phases->data());
     float turned = 0.0f;  // Of the block's mean, since the first block's.
-    float least = 0.0f;
-    float most = 0.0f;
+    // Least and most by lanes, which the compiler can vectorise.
+    std::array<float, kLanes> least{};
+    std::array<float, kLanes> most{};
     for (size_t b = 0; b * block < points.size(); ++b) {
       if (b > 0 && b < columns.size()) turned += sense * WrapTurn(columns[b] - columns[b - 1]);
       // What is left over after the last whole block goes by that block.
       const float mean = columns[std::min(b, columns.size() - 1)];
       const size_t end = std::min(points.size(), (b + 1) * block);
       float* const phase = phases->data();
-      for (size_t i = b * block; i < end; ++i) {
-        phase[i] = turned + sense * WrapTurn(kInverseTurn * phase[i] - mean);
-        least = phase[i] < least ? phase[i] : least;
-        most = phase[i] > most ? phase[i] : most;
+      for (size_t i = b * block; i < end; ++i) phase[i] = turned + sense * WrapTurn(kInverseTurn * phase[i] - mean);
+      for (size_t i = b * block; i < end; i += kLanes) {
+        const size_t num_lanes = std::min(kLanes, end - i);
+        for (size_t lane = 0; lane < num_lanes; ++lane) {
+          least[lane] = phase[i + lane] < least[lane] ? phase[i + lane] : least[lane];
+          most[lane] = phase[i + lane] > most[lane] ? phase[i + lane] : most[lane];
+        }
       }
     }
-    const float scale = 1.0f / std::max(1.0f, most - least);
-    for (float& phase : *phases) phase = scale * (phase - least);
+    const float first = *std::min_element(least.begin(), least.end());
+    const float last = *std::max_element(most.begin(), most.end());
+    const float scale = 1.0f / std::max(1.0f, last - first);
+    for (float& phase : *phases) phase = scale * (phase - first);
     return;
   }
 
