@@ -98,7 +98,7 @@ ScanResult Slam::AddScan(const LaserScan& scan) {
   Stopwatch stopwatch;
   const PlanarScan planar = ProjectLaserScan(scan, options_.projection);
   result.project_ms = stopwatch.Lap();
-  AddPlanarScan(planar, planar.points, PredictScan(scan.stamp, scan.odometry), &result);
+  AddPlanarScan(planar, planar.points, PredictScan(scan.stamp, scan.odometry), nullptr, &result);
   if (result.status != ScanStatus::kSkipped) wheels_.Commit(scan.odometry, result.is_keyframe);
   return result;
 }
@@ -109,29 +109,37 @@ ScanResult Slam::AddScan(const LidarSweep& sweep) {
   if (IsOutOfOrder(&result)) return result;
   Stopwatch stopwatch;
   const Prediction prediction = PredictScan(result.stamp, std::nullopt);
-  PlanarVelocity velocity = Velocity();
+  // A sweep whose duration is a guess is deskewed as if the robot were as fast as it must be for the way of the real
+  // duration.
+  double share = 1.0;
   if (sweep.is_duration_guessed && sweep.duration > 0.0) {
     if (!duration_guess_) {
       duration_guess_ = DurationGuess{sweep.duration, sweep.stamp_phase};
       duration_ = sweep.duration;
     }
-    // As fast as it must be for the way of the sweep's real duration.
-    const double share = duration_ / sweep.duration;
-    velocity = {share * velocity.linear, share * velocity.angular};
+    share = duration_ / sweep.duration;
   }
-  ReducedSweep reduced = reducer_.Reduce(sweep, prediction.pose, velocity);
+  const auto deskewing = [share](const PlanarVelocity& velocity) {
+    return PlanarVelocity{share * velocity.linear, share * velocity.angular};
+  };
+  ReducedSweep reduced = reducer_.Reduce(sweep, prediction.pose, deskewing(Velocity()));
   result.tilt = reduced.tilt;
   result.has_ground = reduced.has_ground;
   result.num_moving = reduced.num_moving;
   result.project_ms = stopwatch.Lap();
-  // Nothing else needs them.
-  std::vector<float> phases = std::move(reduced.planar.phases);
-  reduced.planar.phases.clear();
-  AddPlanarScan(reduced.planar, reduced.to_match, prediction, &result);
+  // Until it was matched, only the way to the scan before told how fast the robot is.
+  const auto improve = [&](const SE2& T_odom_base) -> const std::vector<Eigen::Vector2f>& {
+    if (!scans_.empty()) {
+      const StampedPose here{result.stamp, T_odom_base};
+      reducer_.Redeskew(sweep, deskewing(VelocityBetween(WindowPose(scans_.back()), here)), &reduced);
+    }
+    return reduced.to_match;
+  };
+  AddPlanarScan(reduced.planar, reduced.to_match, prediction, improve, &result);
   if (result.status == ScanStatus::kSkipped) return result;
   stopwatch.Lap();
   reducer_.Commit(reduced, result.T_odom_base);
-  if (sweep.is_duration_guessed) AddToDuration(sweep, std::move(phases), reduced, result);
+  if (sweep.is_duration_guessed) AddToDuration(sweep, reduced, result);
   PosedScan& scan = scans_.back();
   scan.tilt = reduced.tilt;
   scan.local_tilt = reduced.local_tilt;
@@ -149,7 +157,7 @@ bool Slam::IsOutOfOrder(ScanResult* result) const {
 }
 
 void Slam::AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vector2f>& to_match,
-                         const Prediction& prediction, ScanResult* result_out) {
+                         const Prediction& prediction, const Tracker::PointsAt& improve, ScanResult* result_out) {
   ScanResult& result = *result_out;
   Stopwatch stopwatch;
   const bool is_first = keyframes_.empty();
@@ -159,7 +167,7 @@ void Slam::AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vect
   }
   const SE2 last_pose = is_first ? SE2() : WindowPose(scans_.back()).pose;
   const TrackingResult tracked = tracker_.Track(to_match, last_pose, prediction.pose, prediction.knows_velocity,
-                                                prediction.sigma, prediction.since_scan.has_value());
+                                                prediction.sigma, prediction.since_scan.has_value(), improve);
   result.match = tracked.match;
   result.searched_wide = tracked.searched_wide;
   result.status = is_first || IsUsable(tracked.match.verdict) ? ScanStatus::kMatched : ScanStatus::kPredicted;
@@ -218,16 +226,8 @@ Eigen::Vector3d Slam::PredictionSigma(double stamp) const {
 }
 
 PlanarVelocity Slam::Velocity() const {
-  PlanarVelocity velocity;
-  if (scans_.size() < 2) return velocity;
-  const StampedPose previous = WindowPose(scans_[scans_.size() - 2]);
-  const StampedPose last = WindowPose(scans_.back());
-  const SE2 step = previous.pose.Inverse() * last.pose;
-  const double duration = last.stamp - previous.stamp;
-  // Along the chord, half the turn lies before its middle.
-  velocity.linear = SE2(0.0, 0.0, -0.5 * step.theta()) * Eigen::Vector2d(step.translation() / duration);
-  velocity.angular = step.theta() / duration;
-  return velocity;
+  if (scans_.size() < 2) return {};
+  return VelocityBetween(WindowPose(scans_[scans_.size() - 2]), WindowPose(scans_.back()));
 }
 
 SE2 Slam::Smooth(const PlanarScan& scan, const Prediction& prediction, const TrackingResult& tracked) {
@@ -267,6 +267,7 @@ SE2 Slam::Smooth(const PlanarScan& scan, const Prediction& prediction, const Tra
   // Only finding what moves needs these, on the sweeps to come; over a run they would be half of the memory.
   PlanarScan& kept = keyframes_.back().scan;
   kept.weights = {};
+  kept.phases = {};
   kept.first_returns = {};
   kept.points.shrink_to_fit();
 
@@ -324,12 +325,11 @@ FinishResult Slam::Finish(bool odometry_only) {
   return result;
 }
 
-void Slam::AddToDuration(const LidarSweep& sweep, std::vector<float> phases, const ReducedSweep& reduced,
-                         const ScanResult& result) {
+void Slam::AddToDuration(const LidarSweep& sweep, const ReducedSweep& reduced, const ScanResult& result) {
   TimedSweep timed;
   timed.stamp = result.stamp;
   timed.points = reduced.planar.points;
-  timed.phases = std::move(phases);
+  timed.phases = reduced.planar.phases;
   timed.deskewing = reduced.deskewing;
   timed.deskewing_duration = sweep.duration;
   timed.T_odom_base = result.T_odom_base;

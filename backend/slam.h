@@ -111,14 +111,14 @@ class Slam {
   // By the wheels where there are any, else by the motion model.
   Prediction PredictScan(double stamp, const std::optional<SE2>& odometry) const;
   // Tracks a scan from `prediction`: fills the rest of `result`.
-  // `to_match` [m, base frame]: those of its points by which it is matched.
+  // `to_match` [m, base frame]: those of its points by which it is matched. `improve`, as `Tracker::Track` has it, may
+  // change `planar`.
   void AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vector2f>& to_match,
-                     const Prediction& prediction, ScanResult* result);
+                     const Prediction& prediction, const Tracker::PointsAt& improve, ScanResult* result);
   // The planar velocity between the last two scans.
   PlanarVelocity Velocity() const;
   // Learns from a sweep how long sweeps last.
-  void AddToDuration(const LidarSweep& sweep, std::vector<float> phases, const ReducedSweep& reduced,
-                     const ScanResult& result);
+  void AddToDuration(const LidarSweep& sweep, const ReducedSweep& reduced, const ScanResult& result);
   // Settles how long sweeps last, if they did not tell, and shifts all stamps accordingly.
   std::optional<SweepDurationResult> FinishDuration();
 

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 
+#include "core/sensor/stamped_pose.h"
+
 namespace arborslam {
 
 /// Where the robot goes, in the plane.
@@ -15,6 +17,9 @@ struct PlanarVelocity {
     visit(linear, angular);
   }
 };
+
+/// The constant velocity that leads from one pose to a later one, as seen half-way.
+PlanarVelocity VelocityBetween(const StampedPose& from, const StampedPose& to);
 
 }  // namespace arborslam
 

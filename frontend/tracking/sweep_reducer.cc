@@ -1,5 +1,6 @@
 #include "frontend/tracking/sweep_reducer.h"
 
+#include <cstddef>
 #include <utility>
 
 #include "frontend/tracking/terrain_fit.h"
@@ -9,6 +10,16 @@ namespace {
 
 // [m], farther off beams graze the ground: it says little more about the tilt, and much of it is grass.
 constexpr float kMaxGroundRange = 10.0f;
+
+// Moves the points of `scan` by what `change` adds to the robot's way between their moments and the middle of a sweep
+// of `duration` [s].
+void AddMotion(const PlanarVelocity& change, double duration, PlanarScan* scan) {
+  for (size_t i = 0; i < scan->points.size(); ++i) {
+    const double time = (static_cast<double>(scan->phases[i]) - 0.5) * duration;
+    const SE2 motion(time * change.linear.x(), time * change.linear.y(), time * change.angular);
+    scan->points[i] = (motion * Eigen::Vector2d(scan->points[i].cast<double>())).cast<float>();
+  }
+}
 
 }  // namespace
 
@@ -56,6 +67,16 @@ ReducedSweep SweepReducer::Reduce(const LidarSweep& sweep, const SE2& prediction
   CenterCompactThings(compact_options_, &reduced.planar);
   reduced.to_match = ThinnedThings(compact_options_, reduced.planar.points);
   return reduced;
+}
+
+void SweepReducer::Redeskew(const LidarSweep& sweep, const PlanarVelocity& velocity, ReducedSweep* reduced) const {
+  if (!options_.deskew || reduced->with_moving.phases.empty()) return;
+  const PlanarVelocity change{velocity.linear - reduced->deskewing.linear,
+                              velocity.angular - reduced->deskewing.angular};
+  AddMotion(change, sweep.duration, &reduced->planar);
+  AddMotion(change, sweep.duration, &reduced->with_moving);
+  reduced->to_match = ThinnedThings(compact_options_, reduced->planar.points);
+  reduced->deskewing = velocity;
 }
 
 void SweepReducer::Commit(const ReducedSweep& sweep, const SE2& T_odom_base) {

@@ -83,7 +83,8 @@ Tracker::Tracker(const TrackerOptions& options, const OccupancyGridOptions& grid
       matcher_(matcher) {}
 
 TrackingResult Tracker::Track(const std::vector<Eigen::Vector2f>& points, const SE2& last_pose, const SE2& prediction,
-                              bool knows_velocity, const Eigen::Vector3d& sigma, bool by_wheels) {
+                              bool knows_velocity, const Eigen::Vector3d& sigma, bool by_wheels,
+                              const PointsAt& improve) {
   TrackingResult result;
   result.match.pose = prediction;
   result.match.num_points = static_cast<int>(points.size());
@@ -122,6 +123,16 @@ TrackingResult Tracker::Track(const std::vector<Eigen::Vector2f>& points, const 
     result.searched_wide = true;
     if (wide_match.cost < match.cost) match = wide_match;
   }
+  const std::vector<Eigen::Vector2f>* best_points = &points;
+  if (improve && IsUsable(match.verdict)) {
+    const std::vector<Eigen::Vector2f>& improved = improve(older.T_odom_submap * match.pose);
+    MatchResult again = matcher_.MatchNear(target, improved, match.pose);
+    if (IsUsable(again.verdict)) {
+      again.num_scored = match.num_scored;
+      match = again;
+      best_points = &improved;
+    }
+  }
   const SE2 T_submap_base = match.pose;
   result.match = match;
   result.match.pose = IsUsable(match.verdict) ? older.T_odom_submap * T_submap_base : prediction;
@@ -139,7 +150,7 @@ TrackingResult Tracker::Track(const std::vector<Eigen::Vector2f>& points, const 
     const SE2 initial = younger.T_odom_submap.Inverse() * result.match.pose;
     // No scan is to wait for two.
     if (IsOutdated(younger, initial, scan_reach, is_outdated)) BuildTarget(initial, scan_reach, &younger);
-    const MatchResult second = matcher_.MatchNear(*younger.target, points, initial);
+    const MatchResult second = matcher_.MatchNear(*younger.target, *best_points, initial);
     if (IsUsable(second.verdict)) result.measurements.push_back({younger.id, second.pose, second.information});
   }
   return result;

@@ -74,6 +74,42 @@ TEST(TrackerTest, TracksAnOrchardOnItsOwn) {
   EXPECT_EQ(num_measured_twice, 0);
 }
 
+// Points that a wrong velocity has bent, and that the match's pose makes straight.
+TEST(TrackerTest, MatchesAgainWhatThePoseImproves) {
+  const PlanarOrchard orchard(WithSeed(5, 0.0));
+  const std::vector<Eigen::Vector2f> points = Project(orchard, 20).points;
+  std::vector<Eigen::Vector2f> bent = points;
+  for (Eigen::Vector2f& point : bent) point.x() += point.y() > 0.0f ? 0.06f : 0.02f;
+  const SE2 last = orchard.TruePose(19);
+  const SE2 truth = orchard.TruePose(20);
+  Tracker tracker = MakeTracker(TrackerOptions());
+  Build(orchard, 0, 20, &tracker);
+  const TrackingResult straight = tracker.Track(points, last, truth);
+  const TrackingResult crooked = tracker.Track(bent, last, truth);
+  std::vector<SE2> asked;
+  const TrackingResult improved = tracker.Track(
+      bent, last, truth, true, Eigen::Vector3d::Ones(), false, [&](const SE2& pose) -> const auto& {
+        asked.push_back(pose);
+        return points;
+      });
+  ASSERT_EQ(asked.size(), 1u);
+  EXPECT_EQ(asked[0].translation(), crooked.match.pose.translation());
+  EXPECT_GT((crooked.match.pose.translation() - straight.match.pose.translation()).norm(), 0.02);
+  EXPECT_LT((improved.match.pose.translation() - straight.match.pose.translation()).norm(), 0.01);
+  EXPECT_LT(improved.match.score, crooked.match.score);
+  ASSERT_FALSE(improved.measurements.empty());
+  const TrackingResult::Measurement& measured = improved.measurements.front();
+  EXPECT_LT(
+      ((tracker.SubmapPose(measured.submap) * measured.T_submap_base).translation() - improved.match.pose.translation())
+          .norm(),
+      1e-9);
+  // Improved to something that fits nowhere, it stays as it was.
+  const std::vector<Eigen::Vector2f> nothing;
+  const TrackingResult spoilt = tracker.Track(
+      bent, last, truth, true, Eigen::Vector3d::Ones(), false, [&](const SE2&) -> const auto& { return nothing; });
+  EXPECT_EQ(spoilt.match.pose.translation(), crooked.match.pose.translation());
+}
+
 TEST(TrackerTest, MeasuresInBothSubmapsWhereTheyOverlap) {
   const PlanarOrchard orchard(WithSeed(3, 0.0));
   TrackerOptions options;
