@@ -61,8 +61,8 @@ mv "${work}/scaling.png" "${root}/docs/images/scaling.png"
   echo "|---|---|---|---|---|---|---|"
   awk '{ printf "| %d | %d | %d | %.2f | %.0f | %.2f | %.3f |\n", $1, $2, $3, $4, $5, $6, $7 }' "${work}/graphs.txt"
   echo
-  echo "One keyframe's update of window and graph (\`BM_KeyframeOfALongRun\`, medians of a thousand; the ratio scatters"
-  echo "widely, from 0.9 to 1.5, on a machine that has other work to do):"
+  echo "One keyframe's update of window and graph (\`BM_KeyframeOfALongRun\`, medians of a thousand early and a thousand"
+  echo "late ones, taken by turns):"
   echo
   awk -F, '
     /^name,/ { for (i = 1; i <= NF; ++i) { gsub(/"/, "", $i); column[$i] = i } }

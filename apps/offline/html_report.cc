@@ -288,13 +288,15 @@ Json Errors(const RunErrors& errors) {
                        {"trajectory", of(errors.trajectory)},
                        {"odometry", of(errors.odometry)}});
   }
-  return {{"alignment", ToString(errors.trajectory.alignment)},
-          {"unmatched_poses", errors.unmatched_poses},
-          {"path_m", errors.trajectory.path_length()},
-          {"ate_rmse_m", errors.trajectory.metrics.ate_rmse},
-          {"odometry_ate_rmse_m", errors.odometry.metrics.ate_rmse},
-          {"end_error_m", errors.trajectory.metrics.end_error},
-          {"figures", figures}};
+  Json json{{"alignment", ToString(errors.trajectory.alignment)},
+            {"unmatched_poses", errors.unmatched_poses},
+            {"path_m", errors.trajectory.path_length()},
+            {"ate_rmse_m", errors.trajectory.metrics.ate_rmse},
+            {"odometry_ate_rmse_m", errors.odometry.metrics.ate_rmse},
+            {"end_error_m", errors.trajectory.metrics.end_error},
+            {"figures", figures}};
+  if (errors.loops) json["false_loops"] = errors.loops->num_false;
+  return json;
 }
 
 // Rows [index, t_ms, fate, reason, points, score_um, inliers_permille] of the scans that were not used.

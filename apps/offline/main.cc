@@ -26,6 +26,7 @@
 #include "apps/offline/graph_export.h"
 #include "apps/offline/graph_run.h"
 #include "apps/offline/html_report.h"
+#include "apps/offline/loop_errors.h"
 #include "apps/offline/map_picture.h"
 #include "apps/offline/offline_options.h"
 #include "apps/offline/second_pass.h"
@@ -236,20 +237,25 @@ void RequireKeyframes(const Slam& slam, const RunRecord& record) {
                   "check the recording and the range limits of section 'projection'");
 }
 
-TrajectoryEvaluation Evaluate(const Trajectory3& estimate, const Trajectory3& reference, size_t* unmatched) {
-  const AssociationResult pairs =
-      Associate(estimate, reference, AssociationOptions{}, FLAGS_input + " and " + FLAGS_ground_truth);
-  *unmatched = pairs.unmatched_estimate;
-  return EvaluateTrajectory(pairs.pairs, pairs.has_headings, AlignmentKind::kSe2);
-}
-
 // Fills the record's errors. Returns what is wrong with the reference, or "": a run is not to be lost for it.
-std::string EvaluateRun(const Trajectory3& trajectory, const Trajectory3& odometry, const Trajectory3& reference,
+std::string EvaluateRun(const Slam& slam, const Trajectory3& odometry, const Trajectory3& reference,
                         RunRecord* record) {
+  const auto associate = [&reference](const Trajectory3& estimate) {
+    return Associate(estimate, reference, AssociationOptions{}, FLAGS_input + " and " + FLAGS_ground_truth);
+  };
+  const auto evaluate = [](const AssociationResult& pairs) {
+    return EvaluateTrajectory(pairs.pairs, pairs.has_headings, AlignmentKind::kSe2);
+  };
   try {
     RunErrors errors;
-    errors.trajectory = Evaluate(trajectory, reference, &errors.unmatched_poses);
-    errors.odometry = Evaluate(odometry, reference, &errors.unmatched_poses);
+    const AssociationResult trajectory_pairs = associate(slam.OptimizedTrajectory3());
+    const AssociationResult odometry_pairs = associate(odometry);
+    errors.trajectory = evaluate(trajectory_pairs);
+    errors.odometry = evaluate(odometry_pairs);
+    errors.unmatched_poses = odometry_pairs.unmatched_estimate;
+    if (trajectory_pairs.has_headings) {
+      errors.loops = EvaluateLoops(record->finish.loops, slam.submaps(), slam.scans(), trajectory_pairs.pairs);
+    }
     record->errors = std::move(errors);
     return "";
   } catch (const UserError& error) {
@@ -430,7 +436,7 @@ int Run(const MultiFlags& multi_flags) {
   }
   record.wall_seconds = stopwatch.Lap() / 1000.0;
   std::string reference_problem;
-  if (reference) reference_problem = EvaluateRun(slam.OptimizedTrajectory3(), odometry, *reference, &record);
+  if (reference) reference_problem = EvaluateRun(slam, odometry, *reference, &record);
 
   // Writing takes moments, and an end amid them would leave temporary files.
   std::signal(SIGINT, SIG_IGN);

@@ -20,6 +20,16 @@ Json Stage(const std::vector<double>& times_ms) {
 
 Json Errors(const TrajectoryEvaluation& evaluation) { return ErrorsJson(evaluation.alignment, evaluation.metrics); }
 
+Json Errors(const LoopErrors& loops) {
+  return {{"tried", loops.num_tried},
+          {"accepted", loops.num_accepted},
+          {"false", loops.num_false},
+          {"precision", loops.Precision()},
+          {"recall", loops.Recall()},
+          {"translation_rms_m", loops.translation_rms},
+          {"translation_max_m", loops.translation_max}};
+}
+
 Json Optimization(const PoseGraphSummary& summary) {
   return {{"initial_cost", summary.initial_cost},
           {"final_cost", summary.final_cost},
@@ -111,6 +121,7 @@ std::string SummaryJson(const RunRecord& record) {
                          {"path_length_m", record.errors->trajectory.path_length()},
                          {"trajectory", Errors(record.errors->trajectory)},
                          {"odometry", Errors(record.errors->odometry)}};
+    if (record.errors->loops) summary["errors"]["loops"] = Errors(*record.errors->loops);
   }
   // Names of files may be of any bytes, JSON may not.
   return summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -142,6 +153,12 @@ std::string SummaryText(const RunRecord& record) {
     };
     line("trajectory", record.errors->trajectory.metrics);
     line("odometry  ", record.errors->odometry.metrics);
+    if (record.errors->loops && record.errors->loops->num_tried > 0) {
+      const LoopErrors& loops = *record.errors->loops;
+      std::snprintf(text, sizeof(text), "loops     : %zu of %zu false, recall %.3f, off by %.3f m (RMS)\n",
+                    loops.num_false, loops.num_accepted, loops.Recall(), loops.translation_rms);
+      result += text;
+    }
   }
   return result;
 }

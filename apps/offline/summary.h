@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/offline/loop_errors.h"
 #include "backend/slam.h"
 #include "core/evaluation/trajectory_metrics.h"
 
@@ -15,6 +16,7 @@ struct RunErrors {
   TrajectoryEvaluation trajectory;  ///< The optimised one, SE(2)-aligned.
   TrajectoryEvaluation odometry;    ///< The causal one, likewise.
   size_t unmatched_poses = 0;       ///< Poses without a partner in the reference.
+  std::optional<LoopErrors> loops;  ///< None if the reference has no headings.
 };
 
 /// What became of the 3D map.

@@ -1340,7 +1340,8 @@
       figures.push(["End error", fixed(data.errors.end_error_m, 3), "m", "over " + fixed(data.errors.path_m, 1) + " m"]);
     }
     if (data.loops.total) {
-      figures.push(["Loops accepted", String(accepted), "", "of " + data.loops.total + " tried"]);
+      figures.push(["Loops accepted", String(accepted), "", "of " + data.loops.total + " tried" +
+        (data.errors && data.errors.false_loops !== undefined ? ", " + data.errors.false_loops + " of them false" : "")]);
     }
     figures.push(["Time per scan", fixed(data.times.total.median_ms, 1), "ms", "p95 " + fixed(data.times.total.p95_ms, 1) +
       " ms, max " + fixed(data.times.total.max_ms, 1) + " ms"]);

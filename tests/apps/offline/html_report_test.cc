@@ -137,7 +137,7 @@ struct HandmadeRun {
       const AssociationResult pairs = Associate(estimate, reference, AssociationOptions(), "the test");
       return EvaluateTrajectory(pairs.pairs, pairs.has_headings, AlignmentKind::kSe2);
     };
-    record.errors = RunErrors{evaluate(trajectory), evaluate(odometry), 0};
+    record.errors = RunErrors{evaluate(trajectory), evaluate(odometry), 0, LoopErrors{4, 3, 1, 0.2, 0.7}};
   }
 
   std::string Report(bool with_map = true) const {
@@ -213,6 +213,7 @@ TEST(HtmlReportTest, ErrorsAndReferenceAreInTheFrameOfTheMap) {
     EXPECT_NEAR(scans.at("error_um").at(i).get<double>(), 20000.0, 2000.0) << i;
   }
   EXPECT_NEAR(data.at("errors").at("ate_rmse_m").get<double>(), 0.02, 0.002);
+  EXPECT_EQ(data.at("errors").at("false_loops"), 1);
 }
 
 TEST(HtmlReportTest, LoopsThatWereDroppedAgainAreNotAccepted) {
