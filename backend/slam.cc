@@ -98,7 +98,7 @@ ScanResult Slam::AddScan(const LaserScan& scan) {
   Stopwatch stopwatch;
   const PlanarScan planar = ProjectLaserScan(scan, options_.projection);
   result.project_ms = stopwatch.Lap();
-  AddPlanarScan(planar, planar.points, PredictScan(scan.stamp, scan.odometry), nullptr, &result);
+  AddPlanarScan(planar, planar.points, PredictScan(scan.stamp, scan.odometry), nullptr, nullptr, &result);
   if (result.status != ScanStatus::kSkipped) wheels_.Commit(scan.odometry, result.is_keyframe);
   return result;
 }
@@ -128,14 +128,16 @@ ScanResult Slam::AddScan(const LidarSweep& sweep) {
   result.num_moving = reduced.num_moving;
   result.project_ms = stopwatch.Lap();
   // Until it was matched, only the way to the scan before told how fast the robot is.
+  ReducedSweep improved;
   const auto improve = [&](const SE2& T_odom_base) -> const std::vector<Eigen::Vector2f>& {
-    if (!scans_.empty()) {
-      const StampedPose here{result.stamp, T_odom_base};
-      reducer_.Redeskew(sweep, deskewing(VelocityBetween(WindowPose(scans_.back()), here)), &reduced);
-    }
-    return reduced.to_match;
+    improved = reduced;
+    const StampedPose here{result.stamp, T_odom_base};
+    reducer_.Redeskew(sweep, deskewing(VelocityBetween(WindowPose(scans_.back()), here)), &improved);
+    return improved.to_match;
   };
-  AddPlanarScan(reduced.planar, reduced.to_match, prediction, improve, &result);
+  const bool is_improved =
+      AddPlanarScan(reduced.planar, reduced.to_match, prediction, improve, &improved.planar, &result);
+  if (is_improved) reduced = std::move(improved);
   if (result.status == ScanStatus::kSkipped) return result;
   stopwatch.Lap();
   reducer_.Commit(reduced, result.T_odom_base);
@@ -156,14 +158,15 @@ bool Slam::IsOutOfOrder(ScanResult* result) const {
   return true;
 }
 
-void Slam::AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vector2f>& to_match,
-                         const Prediction& prediction, const Tracker::PointsAt& improve, ScanResult* result_out) {
+bool Slam::AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vector2f>& to_match,
+                         const Prediction& prediction, const Tracker::PointsAt& improve, const PlanarScan* improved,
+                         ScanResult* result_out) {
   ScanResult& result = *result_out;
   Stopwatch stopwatch;
   const bool is_first = keyframes_.empty();
   if (is_first && static_cast<int>(to_match.size()) < options_.matcher.min_points) {
     result.reason = ToString(MatchVerdict::kTooFewPoints);
-    return;
+    return false;
   }
   const SE2 last_pose = is_first ? SE2() : WindowPose(scans_.back()).pose;
   const TrackingResult tracked = tracker_.Track(to_match, last_pose, prediction.pose, prediction.knows_velocity,
@@ -187,9 +190,9 @@ void Slam::AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vect
     const KeyframeId last = keyframes_.back().id;
     result.T_odom_base = Fuse(prediction.pose, prediction.sigma, tracked.match);
     scans_.push_back({result.stamp, last, window_.Pose(last).Inverse() * result.T_odom_base, {}, {}, {}, {}, {}});
-    return;
+    return tracked.is_improved;
   }
-  result.T_odom_base = Smooth(planar, prediction, tracked);
+  result.T_odom_base = Smooth(tracked.is_improved ? *improved : planar, prediction, tracked);
   result.is_inserted = keyframes_.back().is_inserted;
   result.window_ms = stopwatch.Lap();
   scans_.push_back({result.stamp, keyframes_.back().id, SE2(), {}, {}, {}, {}, {}});
@@ -197,6 +200,7 @@ void Slam::AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vect
   result.insert_ms = stopwatch.Lap();
   TrimWindow();
   result.window_ms += stopwatch.Lap();
+  return tracked.is_improved;
 }
 
 StampedPose Slam::WindowPose(const PosedScan& scan) const {

@@ -111,10 +111,11 @@ class Slam {
   // By the wheels where there are any, else by the motion model.
   Prediction PredictScan(double stamp, const std::optional<SE2>& odometry) const;
   // Tracks a scan from `prediction`: fills the rest of `result`.
-  // `to_match` [m, base frame]: those of its points by which it is matched. `improve`, as `Tracker::Track` has it, may
-  // change `planar`.
-  void AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vector2f>& to_match,
-                     const Prediction& prediction, const Tracker::PointsAt& improve, ScanResult* result);
+  // `to_match` [m, base frame]: those of its points by which it is matched. With `improve`, as `Tracker::Track` has it,
+  // `improved` is the scan that those points are of. Returns whether it was taken for the scan.
+  bool AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vector2f>& to_match,
+                     const Prediction& prediction, const Tracker::PointsAt& improve, const PlanarScan* improved,
+                     ScanResult* result);
   // The planar velocity between the last two scans.
   PlanarVelocity Velocity() const;
   // Learns from a sweep how long sweeps last.

@@ -67,12 +67,13 @@ Matcher::Matcher(const MatcherOptions& options, const MhdOptions& mhd, const Ref
     : options_(options), mhd_(mhd), refinement_(refinement) {}
 
 MatchResult Matcher::Match(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& prediction,
-                           const SearchWindow& window) const {
-  return MatchBetter(target, points, prediction, window, std::numeric_limits<double>::infinity());
+                           const SearchWindow& window, bool with_information) const {
+  return MatchBetter(target, points, prediction, window, std::numeric_limits<double>::infinity(), with_information);
 }
 
 MatchResult Matcher::MatchBetter(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,
-                                 const SE2& prediction, const SearchWindow& window, double max_cost) const {
+                                 const SE2& prediction, const SearchWindow& window, double max_cost,
+                                 bool with_information) const {
   MatchResult result;
   result.pose = prediction;
   result.num_points = static_cast<int>(points.size());
@@ -86,7 +87,7 @@ MatchResult Matcher::MatchBetter(const MatchTarget& target, const std::vector<Ei
     result.verdict = MatchVerdict::kPoor;
     return result;
   }
-  result = RefineAndJudge(target, points, found->pose, prediction);
+  result = RefineAndJudge(target, points, found->pose, prediction, with_information);
   result.cost = result.score + PenaltyOf(result.pose, prediction, window.penalty);
   result.num_scored = found->num_scored;
   return result;
@@ -117,12 +118,12 @@ MatchResult Matcher::MatchNear(const MatchTarget& target, const std::vector<Eige
   result.score = options_.max_distance;
   result.cost = options_.max_distance;
   if (result.num_points < options_.min_points || target.empty()) return result;
-  return RefineAndJudge(target, points, initial, initial);
+  return RefineAndJudge(target, points, initial, initial, true);
 }
 
 MatchResult Matcher::RefineAndJudge(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,
-                                    const SE2& initial, const SE2& prediction) const {
-  const RefinementResult refined = Refine(target, points, initial, prediction, mhd_, refinement_);
+                                    const SE2& initial, const SE2& prediction, bool with_information) const {
+  const RefinementResult refined = Refine(target, points, initial, prediction, mhd_, refinement_, with_information);
   MatchResult result;
   result.pose = refined.pose;
   result.information = refined.information;

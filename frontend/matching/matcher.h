@@ -79,13 +79,14 @@ class Matcher {
   Matcher(const MatcherOptions& options, const MhdOptions& mhd, const RefinementOptions& refinement);
 
   /// Searches `window` around `prediction` (T_target_base), then refines.
+  /// @param with_information false: the match's information is 0, which saves time when its pose is not the last word.
   MatchResult Match(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& prediction,
-                    const SearchWindow& window) const;
+                    const SearchWindow& window, bool with_information = true) const;
 
   /// The same for a search that is only of use if it finds something that costs less than `max_cost` [m]; `kPoor`, with
   /// a score of D_max, when it does not.
   MatchResult MatchBetter(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& prediction,
-                          const SearchWindow& window, double max_cost) const;
+                          const SearchWindow& window, double max_cost, bool with_information = true) const;
 
   /// Searches `window` around `match->pose`, without the neighbourhood of that, for a pose that fits nearly as well. If
   /// there is one, the match becomes ambiguous and its second score is that pose's cost [m]. The window may be wider
@@ -99,7 +100,7 @@ class Matcher {
 
  private:
   MatchResult RefineAndJudge(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& initial,
-                             const SE2& prediction) const;
+                             const SE2& prediction, bool with_information) const;
 
   MatcherOptions options_;
   MhdOptions mhd_;

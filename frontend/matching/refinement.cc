@@ -42,7 +42,7 @@ class Refiner {
     distances_.reserve(points.size());
   }
 
-  RefinementResult Run(const SE2& initial, const SE2& prediction) {
+  RefinementResult Run(const SE2& initial, const SE2& prediction, bool with_information) {
     RefinementResult result;
     result.pose = Iterate(initial, Eigen::Matrix3d::Identity(), &result.iterations);
     Associate(result.pose);
@@ -68,7 +68,7 @@ class Refiner {
       }
     }
     result.mhd = mhd_;
-    result.information = Information(result.pose, result);
+    if (with_information) result.information = Information(result.pose, result);
     return result;
   }
 
@@ -225,8 +225,9 @@ std::string RefinementOptions::Validate() const {
 }
 
 RefinementResult Refine(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& initial,
-                        const SE2& prediction, const MhdOptions& mhd, const RefinementOptions& options) {
-  return Refiner(target, points, mhd, options).Run(initial, prediction);
+                        const SE2& prediction, const MhdOptions& mhd, const RefinementOptions& options,
+                        bool with_information) {
+  return Refiner(target, points, mhd, options).Run(initial, prediction, with_information);
 }
 
 }  // namespace arborslam

@@ -50,9 +50,10 @@ struct RefinementResult {
 /// them, by Gauss-Newton from `initial`, with the K best points (paper eq. 12) chosen anew in every step.
 ///
 /// Degenerate directions (after Zhang, Kaess and Singh 2016) keep the value they have in `prediction`. The information
-/// is that of `MatchInformation`.
+/// is that of `MatchInformation`; 0 when `with_information` is false, which saves much of the time.
 RefinementResult Refine(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& initial,
-                        const SE2& prediction, const MhdOptions& mhd, const RefinementOptions& options);
+                        const SE2& prediction, const MhdOptions& mhd, const RefinementOptions& options,
+                        bool with_information = true);
 
 }  // namespace arborslam
 

@@ -30,6 +30,8 @@ constexpr double kSureTranslation = 0.2;
 constexpr double kSeenShare = 0.7;
 // Of the penalty for lying off the prediction, what is left when the robot's velocity is not known.
 constexpr double kTieBreak = 0.1;
+// Points that are said to be better, but score this much worse, are not.
+constexpr double kMaxWorsening = 1.5;
 // A wide search must do this much better than the near one to be believed.
 constexpr double kWideGain = 0.8;
 // The wide search grows by its own size with every scan that finds nothing, up to this many times.
@@ -111,7 +113,9 @@ TrackingResult Tracker::Track(const std::vector<Eigen::Vector2f>& points, const 
     near.translation = wide_translation;
     near.penalty = {kTieBreak * penalty.per_metre, kTieBreak * penalty.per_radian};
   }
-  MatchResult match = matcher_.Match(target, points, T_submap_prediction, near);
+  // Where it is matched again, only that match's information counts.
+  const bool is_last = !improve;
+  MatchResult match = matcher_.Match(target, points, T_submap_prediction, near, is_last);
   if (match.verdict != MatchVerdict::kTooFewPoints && match.score > options_.wide_score) {
     // Once lost, the last pose says little, and only a clean match is believed.
     const bool is_lost = num_lost_ > 0;
@@ -119,7 +123,7 @@ TrackingResult Tracker::Track(const std::vector<Eigen::Vector2f>& points, const 
                             is_lost ? SearchPenalty{} : penalty};
     const SE2 wide_center = by_wheels ? T_submap_prediction : older.T_odom_submap.Inverse() * last_pose;
     const double max_cost = is_lost ? options_.max_insert_score : kWideGain * match.cost;
-    const MatchResult wide_match = matcher_.MatchBetter(target, points, wide_center, wide, max_cost);
+    const MatchResult wide_match = matcher_.MatchBetter(target, points, wide_center, wide, max_cost, is_last);
     result.searched_wide = true;
     if (wide_match.cost < match.cost) match = wide_match;
   }
@@ -127,11 +131,14 @@ TrackingResult Tracker::Track(const std::vector<Eigen::Vector2f>& points, const 
   if (improve && IsUsable(match.verdict)) {
     const std::vector<Eigen::Vector2f>& improved = improve(older.T_odom_submap * match.pose);
     MatchResult again = matcher_.MatchNear(target, improved, match.pose);
-    if (IsUsable(again.verdict)) {
-      again.num_scored = match.num_scored;
-      match = again;
+    result.is_improved = IsUsable(again.verdict) && again.score <= kMaxWorsening * match.score;
+    if (result.is_improved) {
       best_points = &improved;
+    } else {
+      again = matcher_.MatchNear(target, points, match.pose);
     }
+    again.num_scored = match.num_scored;
+    match = again;
   }
   const SE2 T_submap_base = match.pose;
   result.match = match;

@@ -69,7 +69,8 @@ struct TrackingResult {
   /// Best match, to the older active submap; `pose` is T_odom_base.
   MatchResult match;
   bool searched_wide = false;
-  bool insert = false;  ///< Clean enough to become part of the maps; see `by_wheels` for one that is not usable.
+  bool is_improved = false;  ///< Matched by the points that `improve` gave.
+  bool insert = false;       ///< Clean enough to become part of the maps; see `by_wheels` for one that is not usable.
   /// Degenerate, and the maps hold nearly all that it shows: put into them, it would confirm the prediction that placed
   /// it.
   bool adds_nothing = false;
@@ -97,7 +98,8 @@ class Tracker {
   /// @param sigma          standard deviations [m, m, rad] of the prediction, see `MotionNoise`: the first search goes
   ///                       no farther than needed.
   /// @param improve        what the scan's points [m, base frame] are if its pose, T_odom_base, is the given one; asked
-  ///                       once, with the match's pose, from where these points are matched again. Null: the same.
+  ///                       once, with the match's pose, from where these points, which must stay until the end of the
+  ///                       call, are matched again. Null: the same.
   /// @param by_wheels      `prediction` is measured. Then the second search goes around it as well, and no farther than
   ///                       the near window's greatest size, growing as above: farther off, only another place would
   ///                       match. A scan most of which meets nothing known shows new ground, as behind a corner, and is

@@ -93,6 +93,8 @@ TEST(TrackerTest, MatchesAgainWhatThePoseImproves) {
         return points;
       });
   ASSERT_EQ(asked.size(), 1u);
+  EXPECT_TRUE(improved.is_improved);
+  EXPECT_FALSE(crooked.is_improved);
   EXPECT_EQ(asked[0].translation(), crooked.match.pose.translation());
   EXPECT_GT((crooked.match.pose.translation() - straight.match.pose.translation()).norm(), 0.02);
   EXPECT_LT((improved.match.pose.translation() - straight.match.pose.translation()).norm(), 0.01);
@@ -107,7 +109,17 @@ TEST(TrackerTest, MatchesAgainWhatThePoseImproves) {
   const std::vector<Eigen::Vector2f> nothing;
   const TrackingResult spoilt = tracker.Track(
       bent, last, truth, true, Eigen::Vector3d::Ones(), false, [&](const SE2&) -> const auto& { return nothing; });
-  EXPECT_EQ(spoilt.match.pose.translation(), crooked.match.pose.translation());
+  EXPECT_FALSE(spoilt.is_improved);
+  EXPECT_LT((spoilt.match.pose.translation() - crooked.match.pose.translation()).norm(), 0.005);
+  EXPECT_GT(spoilt.match.information.trace(), 0.5 * crooked.match.information.trace());
+  // Nor by what fits much worse.
+  std::vector<Eigen::Vector2f> worse = points;
+  for (size_t i = 0; i < worse.size(); ++i) worse[i].y() += i % 2 == 0 ? 0.15f : -0.15f;
+  EXPECT_FALSE(tracker
+                   .Track(
+                       points, last, truth, true, Eigen::Vector3d::Ones(),
+                       false, [&](const SE2&) -> const auto& { return worse; })
+                   .is_improved);
 }
 
 TEST(TrackerTest, MeasuresInBothSubmapsWhereTheyOverlap) {
