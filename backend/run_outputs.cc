@@ -1,5 +1,7 @@
 #include "backend/run_outputs.h"
 
+#include <cstddef>
+
 #include "core/geometry/tilt.h"
 
 namespace arborslam {
@@ -19,6 +21,19 @@ Trajectory3 Trajectory3Of(const PoseGraph& graph, const std::vector<PosedScan>& 
     trajectory.poses.push_back(Lifted({scan.stamp, graph.Pose(scan.keyframe) * scan.T_keyframe_scan}, scan.tilt));
   }
   return trajectory;
+}
+
+std::vector<Trajectory3> TrajectoriesOf(const SessionContents& session) {
+  const Trajectory3 all = Trajectory3Of(session.graph, session.scans);
+  std::vector<Trajectory3> trajectories;
+  auto begin = all.poses.begin();
+  for (const SessionContents::Recording& recording : session.recordings) {
+    const auto end = begin + static_cast<std::ptrdiff_t>(recording.num_posed);
+    trajectories.emplace_back();
+    trajectories.back().poses.assign(begin, end);
+    begin = end;
+  }
+  return trajectories;
 }
 
 OccupancyGrid MapOf(const PoseGraph& graph, const std::vector<Keyframe>& keyframes,

@@ -6,6 +6,7 @@
 #include "backend/graph/pose_graph.h"
 #include "backend/keyframe.h"
 #include "backend/posed_scan.h"
+#include "backend/store/session_contents.h"
 #include "core/map/occupancy_grid.h"
 #include "core/sensor/stamped_pose.h"
 #include "core/sensor/trajectory3.h"
@@ -17,6 +18,9 @@ Trajectory TrajectoryOf(const PoseGraph& graph, const std::vector<PosedScan>& sc
 
 /// The same in space, T_map_lidar.
 Trajectory3 Trajectory3Of(const PoseGraph& graph, const std::vector<PosedScan>& scans);
+
+/// The same of each recording of a session, in their order.
+std::vector<Trajectory3> TrajectoriesOf(const SessionContents& session);
 
 /// All clean scans of `keyframes` at their poses in `graph`, in the map frame.
 OccupancyGrid MapOf(const PoseGraph& graph, const std::vector<Keyframe>& keyframes,

@@ -228,7 +228,7 @@ int Run(const MultiFlags& multi_flags) {
     for (const std::string& notice : source->Notices()) std::cerr << "note: " << notice << "\n";
   }
 
-  const bool map_is_spatial = !session.keyframes.front().scan.point_rays_are_free;
+  const bool map_is_spatial = IsSpatial(session);
   Localizer localizer(options.slam, place, localization, session.graph, session.keyframes, session.submaps,
                       initial_pose);
   const std::vector<LocalizationResult> results = Localize(source.get(), map_is_spatial, &localizer);

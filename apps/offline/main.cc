@@ -23,14 +23,17 @@
 #include "apps/common/progress_bar.h"
 #include "apps/offline/cloud.h"
 #include "apps/offline/footprints.h"
-#include "apps/offline/graph_export.h"
 #include "apps/offline/graph_run.h"
-#include "apps/offline/html_report.h"
+#include "apps/offline/joint_map.h"
+#include "apps/offline/known_session.h"
 #include "apps/offline/loop_errors.h"
-#include "apps/offline/map_picture.h"
 #include "apps/offline/offline_options.h"
+#include "apps/offline/run_results.h"
 #include "apps/offline/second_pass.h"
 #include "apps/offline/summary.h"
+#include "backend/loop/place_recognizer.h"
+#include "backend/merge/known_scans.h"
+#include "backend/merge/place_votes.h"
 #include "backend/slam.h"
 #include "backend/store/fingerprint.h"
 #include "backend/store/session_contents.h"
@@ -38,15 +41,10 @@
 #include "backend/store/session_writer.h"
 #include "core/config/config_schema.h"
 #include "core/error.h"
-#include "core/io/atomic_file.h"
 #include "core/io/g2o.h"
-#include "core/io/map_io.h"
-#include "core/io/ply.h"
-#include "core/io/png.h"
 #include "core/io/scan_source.h"
 #include "core/io/text_reader.h"
 #include "core/io/trajectory_io.h"
-#include "core/map/height_colours.h"
 #include "core/stopwatch.h"
 
 DEFINE_string(input, "", "recording to process");
@@ -73,9 +71,12 @@ and options give the same results, bit by bit, for any number of threads.
                          (.clf, .carmen, .log: FLASER, ROBOTLASER1, ODOM), whose odometry is used; or a pose graph, .g2o
                          (VERTEX_SE2, EDGE_SE2, FIX), which is smoothed as it is
   --output DIR           created if it does not exist
-  --session FILE.db      goes on with an interrupted run: --input is the recording that it was made from; what the
-                         session holds already is not tracked again, and the results are those of a run in one piece
-                         (another recording of the place: map it by itself, then arborslam_session merge)
+  --session FILE.db      goes on with a session, with its options. If --input is the recording that it was made from, an
+                         interrupted run goes on to the results of a run in one piece. Another recording of the place
+                         is mapped by itself, placed in the session's map and solved together with it: the trajectory
+                         is then in the session's frame; map, graph.g2o and session.db are of both. If it finds no
+                         certain place, the results are of it alone (exit code 1). FILE.db stays as it is, unless it is
+                         DIR/session.db. --set also takes the sections 'merge' and 'place'
   --config FILE.yaml     options; config/default.yaml lists them all; with --session, those of the session come first
   --set SECTION.KEY=VALUE ...
                          one option each, after the file's
@@ -87,26 +88,28 @@ and options give the same results, bit by bit, for any number of threads.
   --quiet                print errors only
   --help, --version
 
-Writes trajectory.tum (optimised pose of every scan used), odometry.tum (the causal estimate, as known when the scan came),
-map.pgm + map.yaml (ROS map_server), map.png, cloud.ply (3D map, from 3D sweeps), graph.g2o, summary.json (counts, rejected scans with reasons, loops, times,
-memory, errors), report.html (all of this for the browser, in one file) and effective_config.yaml; and session.db, the
-run as it goes, from which --session and arborslam_session start, also when this program was killed. A pose's stamp is the
-middle of its sweep. Of a pose graph: trajectory.tum (every vertex, its id as the stamp), graph.g2o, graph.png,
-summary.json, report.html and effective_config.yaml. Ctrl-C ends the reading early and keeps what there is (exit code
-130), but makes no 3D map; a second one ends the program at once.
+Writes trajectory.tum (optimised pose of every scan used), odometry.tum (the causal estimate, as known when the scan
+came), map.pgm + map.yaml (ROS map_server), map.png, cloud.ply (3D map, from 3D sweeps), graph.g2o, summary.json
+(counts, rejected scans with reasons, loops, times, memory, errors), report.html (all of this for the browser, in one
+file) and effective_config.yaml; and, from the first keyframe on, session.db, the run as it goes, from which --session
+and arborslam_session start, also when this program was killed (recording.db until the recording is placed in the map
+of another session). A pose's stamp is the middle of its sweep. Of a pose graph: trajectory.tum (every vertex, its id
+as the stamp), graph.g2o, graph.png, summary.json, report.html and effective_config.yaml. Ctrl-C ends the reading early
+and keeps what there is (exit code 130), but makes no 3D map; a second one ends the program at once.
 )";
 
 // After an interruption the exit code is this and the signal's number, as shells have it.
 constexpr int kExitSignalled = 128;
 
-constexpr char kCloudFile[] = "cloud.ply";
 constexpr char kSessionFile[] = "session.db";
+// A recording's own session, until it is part of that of several.
+constexpr char kRecordingFile[] = "recording.db";
 constexpr std::array<const char*, 12> kResultFiles = {"trajectory.tum",
                                                       "odometry.tum",
                                                       "map.yaml",
                                                       "map.pgm",
                                                       "map.png",
-                                                      kCloudFile,
+                                                      "cloud.ply",
                                                       "graph.g2o",
                                                       "graph.png",
                                                       "summary.json",
@@ -144,6 +147,11 @@ std::filesystem::path PrepareOutput() {
                              {FLAGS_input, FLAGS_ground_truth});
 }
 
+bool AreSameFile(const std::filesystem::path& a, const std::filesystem::path& b) {
+  std::error_code error;
+  return std::filesystem::equivalent(a, b, error);
+}
+
 StampedPose3 CausalPose(const ScanResult& result) { return Lifted({result.stamp, result.T_odom_base}, result.tilt); }
 
 // Passes over the scans that the session `read` holds, which must be those of the recording; fills the record's scans
@@ -160,13 +168,11 @@ bool SkipTracked(ScanSource* source, const std::vector<SessionContents::ReadScan
                       "give the recording that the session was made from");
     }
     has_sweeps = std::holds_alternative<LidarSweep>(*scan);
-    const double stamp = has_sweeps ? std::get<LidarSweep>(*scan).Middle() : std::get<LaserScan>(*scan).stamp;
-    const bool is_known = read[i].fingerprint != 0;
-    if (stamp != read[i].result.stamp || (is_known && FingerprintOf(*scan) != read[i].fingerprint)) {
+    if (!IsSameScan(*scan, read[i])) {
       throw UserError(
           FLAGS_input,
           "scan " + std::to_string(i + 1) + " is not the one that the session " + FLAGS_session + " was made from",
-          "give the recording that the session was made from; map another one by itself and merge the two sessions");
+          "give the recording that the session was made from as it was then");
     }
     record->scans.push_back(read[i].result);
     if (read[i].result.status != ScanStatus::kSkipped) odometry->poses.push_back(CausalPose(read[i].result));
@@ -192,9 +198,10 @@ std::optional<Scan> NextScan(ScanSource* source, const Slam& slam, SessionWriter
   }
 }
 
-// Feeds the recording to `slam` and the session; fills the record's scans and the causal trajectory. True if the scans
-// are in space.
-bool Track(ScanSource* source, Slam* slam, SessionWriter* session, RunRecord* record, Trajectory3* odometry) {
+// Feeds the recording, which may have no scan that is among the `known` ones, to `slam` and the session; fills the
+// record's scans and the causal trajectory. True if the scans are in space.
+bool Track(ScanSource* source, const KnownScans& known, Slam* slam, SessionWriter* session, RunRecord* record,
+           Trajectory3* odometry) {
   std::optional<size_t> total = source->NumScans();
   if (total && FLAGS_max_scans > 0) total = std::min(*total, static_cast<size_t>(FLAGS_max_scans));
   ProgressBar progress(std::cerr, total, StderrIsTerminal() && !FLAGS_quiet);
@@ -203,9 +210,17 @@ bool Track(ScanSource* source, Slam* slam, SessionWriter* session, RunRecord* re
     const std::optional<Scan> scan = NextScan(source, *slam, session);
     if (!scan) break;
     has_sweeps = std::holds_alternative<LidarSweep>(*scan);
+    const uint64_t fingerprint = FingerprintOf(*scan);
+    if (known.Hold(fingerprint)) {
+      session->Discard();
+      throw UserError(
+          FLAGS_input,
+          "scan " + std::to_string(record->scans.size() + 1) + " is in the session " + FLAGS_session + " already",
+          "give each recording once");
+    }
     record->scans.push_back(std::visit([slam](const auto& any) { return slam->AddScan(any); }, *scan));
     const ScanResult& result = record->scans.back();
-    session->Add(FingerprintOf(*scan), result, *slam);
+    session->Add(fingerprint, result, *slam);
     if (result.status != ScanStatus::kSkipped) odometry->poses.push_back(CausalPose(result));
     progress.Update(record->scans.size());
   }
@@ -238,8 +253,8 @@ void RequireKeyframes(const Slam& slam, const RunRecord& record) {
 }
 
 // Fills the record's errors. Returns what is wrong with the reference, or "": a run is not to be lost for it.
-std::string EvaluateRun(const Slam& slam, const Trajectory3& odometry, const Trajectory3& reference,
-                        RunRecord* record) {
+std::string EvaluateRun(const Slam& slam, const Trajectory3& trajectory, const Trajectory3& odometry,
+                        const Trajectory3& reference, RunRecord* record) {
   const auto associate = [&reference](const Trajectory3& estimate) {
     return Associate(estimate, reference, AssociationOptions{}, FLAGS_input + " and " + FLAGS_ground_truth);
   };
@@ -248,7 +263,7 @@ std::string EvaluateRun(const Slam& slam, const Trajectory3& odometry, const Tra
   };
   try {
     RunErrors errors;
-    const AssociationResult trajectory_pairs = associate(slam.OptimizedTrajectory3());
+    const AssociationResult trajectory_pairs = associate(trajectory);
     const AssociationResult odometry_pairs = associate(odometry);
     errors.trajectory = evaluate(trajectory_pairs);
     errors.odometry = evaluate(odometry_pairs);
@@ -264,27 +279,24 @@ std::string EvaluateRun(const Slam& slam, const Trajectory3& odometry, const Tra
   }
 }
 
-// What the score of a scan is held to.
-std::vector<ScoreGate> ScoreGates(const SlamOptions& options) {
-  return {{options.tracker.wide_score, "searched wide (tracker.wide_score)"},
-          {options.tracker.max_insert_score, "kept out of the maps (tracker.max_insert_score)"},
-          {options.matcher.max_score, "rejected (matcher.max_score)"}};
+// Says what a map lacks, and why.
+void NoteMapProblem(const std::string& text, RunRecord* record) {
+  record->notices.push_back(text);
+  if (!FLAGS_quiet) std::cerr << "note: " << text << "\n";
 }
-
-// What comes of the run besides trajectories.
-struct Maps {
-  GridImage plane;
-  std::vector<Eigen::Vector3f> cloud;  // Empty if there is none.
-};
 
 // Reads a recording of sweeps again for the maps that need all of their points. What it cannot make is left as it is,
 // and why goes to the record's notices: a run is not to be lost for it.
-void RefineMaps(const Slam& slam, const OfflineOptions& options, RunRecord* record, Maps* maps) {
+void RefineMaps(const OfflineOptions& options, RunRecord* record, RunResults* results) {
   std::optional<Cloud> cloud;
   if (options.cloud.enabled) cloud.emplace(options.cloud, options.slam.reduction.deskew);
   std::optional<Footprints> footprints;
   if (options.map.resolution > 0.0 && options.map.resolution < options.slam.grid.cell_size) {
-    footprints.emplace(maps->plane, options.map, options.slam);
+    if (results->paths.size() > 1) {
+      NoteMapProblem("The map is coarser than map.resolution: that needs the sweeps of all recordings.", record);
+    } else {
+      footprints.emplace(results->map, options.map, options.slam);
+    }
   }
   if (!cloud && !footprints) return;
   Stopwatch stopwatch;
@@ -293,7 +305,7 @@ void RefineMaps(const Slam& slam, const OfflineOptions& options, RunRecord* reco
     ProgressBar progress(std::cerr, record->scans.size(), StderrIsTerminal() && !FLAGS_quiet);
     const bool is_whole = g_signal == 0 && VisitMatchedSweeps(
                                                OpenScanSource(FLAGS_input, options.input).get(), record->scans,
-                                               record->finish.sweep_duration, slam.OptimizedTrajectory3(),
+                                               record->finish.sweep_duration, results->trajectory,
                                                [&](const PosedSweep& sweep) {
                                                  if (cloud) cloud->Add(sweep);
                                                  if (footprints) footprints->Add(sweep);
@@ -303,8 +315,8 @@ void RefineMaps(const Slam& slam, const OfflineOptions& options, RunRecord* reco
                                                  return g_signal == 0;
                                                });
     if (is_whole) {
-      if (footprints) maps->plane = footprints->Image();
-      if (cloud) maps->cloud = cloud->Points();
+      if (footprints) results->map = footprints->Image();
+      if (cloud) results->cloud = cloud->Points();
     } else {
       problem = "interrupted";
       record->maps_are_whole = false;
@@ -313,37 +325,13 @@ void RefineMaps(const Slam& slam, const OfflineOptions& options, RunRecord* reco
     problem = error.what();
   }
   record->maps_ms = stopwatch.Lap();
-  if (!maps->cloud.empty()) {
-    record->cloud = CloudRecord{cloud->num_sweeps(), maps->cloud.size(), cloud->voxel_size()};
+  if (!results->cloud.empty()) {
+    record->cloud = CloudRecord{cloud->num_sweeps(), results->cloud.size(), cloud->voxel_size()};
   } else if (cloud && problem.empty()) {
     problem = "no place was met by as many sweeps as cloud.min_sweeps asks for";
   }
   if (problem.empty()) return;
-  record->notices.push_back((cloud ? "No 3D map" : "The map is coarser than map.resolution") + (": " + problem) + ".");
-  if (!FLAGS_quiet) std::cerr << "note: " << record->notices.back() << "\n";
-}
-
-void WriteResults(const std::filesystem::path& folder, const SlamOptions& options, const Slam& slam,
-                  const Trajectory3& odometry, const Maps& maps, const RunRecord& record,
-                  const std::string& effective_config) {
-  const Trajectory3 trajectory = slam.OptimizedTrajectory3();
-  WriteTum((folder / "trajectory.tum").string(), trajectory);
-  WriteTum((folder / "odometry.tum").string(), odometry);
-  WriteMapServer((folder / "map.yaml").string(), maps.plane);
-  WritePng((folder / "map.png").string(), DrawMap(maps.plane, {slam.OptimizedTrajectory()}));
-  if (maps.cloud.empty()) {
-    // An earlier run's would be taken for this one's.
-    std::error_code error;
-    std::filesystem::remove(folder / kCloudFile, error);
-  } else {
-    WritePly((folder / kCloudFile).string(), maps.cloud, ColourByHeight(maps.cloud));
-  }
-  WriteG2o((folder / "graph.g2o").string(), ToG2o(slam.graph()));
-  WriteFileAtomically((folder / "effective_config.yaml").string(), effective_config);
-  WriteFileAtomically((folder / "summary.json").string(), SummaryJson(record));
-  const ReportInput report{record,     slam.submaps(), effective_config,   &maps.plane,
-                           trajectory, odometry,       ScoreGates(options)};
-  WriteFileAtomically((folder / "report.html").string(), HtmlReport(report));
+  NoteMapProblem((cloud ? "No 3D map" : "The map is coarser than map.resolution") + (": " + problem) + ".", record);
 }
 
 // The options that scans are tracked by: those of all sections but those that only the end of a run reads.
@@ -358,25 +346,42 @@ std::string TrackingConfig(OfflineOptions options) {
   return schema.ToYaml();
 }
 
-// The session of this run in `folder`: a new one, or, with --session, that one or a copy of it, which holds `tracked`.
-std::unique_ptr<SessionWriter> OpenSession(const std::filesystem::path& folder, const std::string& config,
-                                           const SessionContents& tracked) {
-  const std::string path = (folder / kSessionFile).string();
-  if (FLAGS_session.empty()) return SessionWriter::Create(path, config, FLAGS_input);
-  std::error_code error;
-  if (!std::filesystem::equivalent(FLAGS_session, path, error)) CopySession(FLAGS_session, path);
-  return SessionWriter::Continue(path, tracked);
+// The session of this run at `path`: a new one, or, with --session, that one or a copy of it, which holds `known`.
+std::unique_ptr<SessionWriter> OpenSession(const std::string& path, const std::string& config,
+                                           const KnownSession& known) {
+  if (FLAGS_session.empty() || known.map) return SessionWriter::Create(path, config, FLAGS_input);
+  if (AreSameFile(FLAGS_session, path)) return SessionWriter::Continue(path, known.tracked);
+  return SessionWriter::ContinueCopy(FLAGS_session, path, known.tracked);
+}
+
+// Leaves in `folder` the session that a recording, new to that of --session, has come to: `joint`, or its own one.
+// Returns the file's name.
+std::string KeepJointSession(const std::filesystem::path& folder, const SessionContents* joint) {
+  const std::string own = (folder / kRecordingFile).string();
+  const std::string session = (folder / kSessionFile).string();
+  if (joint != nullptr) {
+    WriteSession(session, *joint);
+    std::error_code ignored;
+    std::filesystem::remove(own, ignored);
+    return kSessionFile;
+  }
+  if (AreSameFile(FLAGS_session, session)) return kRecordingFile;
+  MoveSession(own, session);
+  return kSessionFile;
 }
 
 int Run(const MultiFlags& multi_flags) {
   CheckFlags();
   OfflineOptions options;
-  ConfigSchema schema;
-  options.VisitSections([&schema](const std::string& name, auto& section) { schema.AddSection(name, &section); });
-  SessionContents tracked;
+  PlaceOptions place;
+  MergeOptions merge;
+  ConfigSchema session_schema;
+  options.VisitSections([&](const std::string& name, auto& section) { session_schema.AddSection(name, &section); });
+  ConfigSchema schema = session_schema;
   if (!FLAGS_session.empty()) {
-    tracked = ReadTracked(FLAGS_session);
-    schema.LoadYaml(tracked.config, FLAGS_session + ", options");
+    schema.AddSection("place", &place);
+    schema.AddSection("merge", &merge);
+    schema.LoadYaml(ReadSessionSummary(FLAGS_session).config, FLAGS_session + ", options");
   }
   const std::string tracking_before = TrackingConfig(options);
   if (!FLAGS_config.empty()) schema.LoadYamlFile(FLAGS_config);
@@ -384,8 +389,8 @@ int Run(const MultiFlags& multi_flags) {
   schema.ValidateAll();
   if (!FLAGS_session.empty() && TrackingConfig(options) != tracking_before) {
     throw UsageError("--config or --set differs from what the session " + FLAGS_session +
-                     " was tracked with; with --session only the sections loop, graph, map_refinement, map and cloud "
-                     "can be changed");
+                     " was tracked with; with --session only the sections loop, graph, map_refinement, map, cloud, "
+                     "place and merge can be changed");
   }
 
   if (IsG2oFile(FLAGS_input)) {
@@ -401,7 +406,17 @@ int Run(const MultiFlags& multi_flags) {
   std::optional<Trajectory3> reference;
   if (!FLAGS_ground_truth.empty()) reference = ReadTrajectory(FLAGS_ground_truth);
   const std::unique_ptr<ScanSource> source = OpenScanSource(FLAGS_input, options.input);
+  KnownSession known;
+  if (!FLAGS_session.empty()) {
+    known = ReadKnownSession(FLAGS_session, FLAGS_input, OpenScanSource(FLAGS_input, options.input)->Next());
+  }
+  const bool is_new = known.map.has_value();
+  if (is_new && FLAGS_odometry_only) {
+    throw UsageError("--odometry_only closes no loops, but " + FLAGS_input + " is to be placed in the map of " +
+                     FLAGS_session + ", which does; leave one of the two out");
+  }
   const std::filesystem::path folder = PrepareOutput();
+  if (is_new) PrepareOutputFolder(FLAGS_output, {kRecordingFile}, {FLAGS_session, FLAGS_input, FLAGS_ground_truth});
 
   RunRecord record;
   record.input = FLAGS_input;
@@ -418,35 +433,56 @@ int Run(const MultiFlags& multi_flags) {
   std::signal(SIGXFSZ, SIG_IGN);
   Stopwatch stopwatch;
   Trajectory3 odometry;
-  bool has_sweeps = SkipTracked(source.get(), tracked.read, &record, &odometry);
-  const std::unique_ptr<SessionWriter> session = OpenSession(folder, schema.ToYaml(), tracked);
-  Slam slam(options.slam, record.num_threads, std::move(tracked), FLAGS_session);
-  has_sweeps |= Track(source.get(), &slam, session.get(), &record, &odometry);
+  bool has_sweeps = SkipTracked(source.get(), known.tracked.read, &record, &odometry);
+  const std::string session_path = (folder / (is_new ? kRecordingFile : kSessionFile)).string();
+  const std::unique_ptr<SessionWriter> session = OpenSession(session_path, session_schema.ToYaml(), known);
+  Slam slam(options.slam, record.num_threads, std::move(known.tracked), FLAGS_session);
+  const KnownScans known_scans = is_new ? KnownScans(*known.map) : KnownScans();
+  has_sweeps |= Track(source.get(), known_scans, &slam, session.get(), &record, &odometry);
   RequireKeyframes(slam, record);
   record.finish = slam.Finish(FLAGS_odometry_only);
   session->Finish(slam, record.finish.sweep_duration ? record.finish.sweep_duration->stamp_shift : 0.0);
   if (record.finish.sweep_duration) TakeDuration(*record.finish.sweep_duration, &record, &odometry);
   record.num_submaps = slam.submaps().size();
-  Maps maps;
-  if (has_sweeps) {
-    maps.plane = ToGridImage(slam.BuildMap());
-    RefineMaps(slam, options, &record, &maps);
-  } else {
-    maps.plane = ToGridImage(slam.BuildMap(options.map.resolution));
+  JointMap joint;
+  // A part of a recording is not placed: the rest could not follow.
+  if (is_new && !record.is_interrupted) {
+    joint = Join(options.slam, place, merge, record.num_threads, FLAGS_session, std::move(*known.map),
+                 ReadSession(session_path));
+    record.join = joint.record;
   }
+  const double cell_size = has_sweeps ? 0.0 : options.map.resolution;
+  RunResults results = ResultsOf(slam, odometry, cell_size);
+  if (joint.contents) {
+    joint.contents->config = session_schema.ToYaml();
+    results = ResultsOf(*joint.contents, odometry, options.slam, cell_size);
+    record.notices.push_back("The map is that of " + std::to_string(joint.contents->recordings.size()) +
+                             " recordings; scans and loops are those of the last one, which " + TextOf(joint.record) +
+                             ".");
+  }
+  if (has_sweeps) RefineMaps(options, &record, &results);
   record.wall_seconds = stopwatch.Lap() / 1000.0;
   std::string reference_problem;
-  if (reference) reference_problem = EvaluateRun(slam, odometry, *reference, &record);
+  if (reference) reference_problem = EvaluateRun(slam, results.trajectory, odometry, *reference, &record);
 
   // Writing takes moments, and an end amid them would leave temporary files.
   std::signal(SIGINT, SIG_IGN);
   std::signal(SIGTERM, SIG_IGN);
-  WriteResults(folder, options.slam, slam, odometry, maps, record, schema.ToYaml());
+  WriteResults(folder, options.slam, slam.submaps(), results, record, (is_new ? schema : session_schema).ToYaml());
+  std::string kept_session = kSessionFile;
+  if (is_new) kept_session = KeepJointSession(folder, joint.contents ? &*joint.contents : nullptr);
   if (!FLAGS_quiet) std::cout << SummaryText(record) << "results in " << folder.string() << "\n" << std::flush;
   if (record.is_interrupted) {
-    std::cerr << "arborslam_offline: interrupted after " << record.scans.size() << " scans; the results in "
-              << folder.string() << " cover these\n";
+    std::cerr << "arborslam_offline: interrupted after " << record.scans.size() << " scans"
+              << (is_new ? " and not placed in the map of " + FLAGS_session : "") << "; the results in "
+              << folder.string() << " cover these"
+              << (is_new ? " alone, their session is " + (folder / kept_session).string() : "") << "\n";
     return kExitSignalled + g_signal;
+  }
+  if (is_new && !joint.contents) {
+    throw UserError(FLAGS_input, "has " + TextOf(joint.record),
+                    "give a recording of the same site whose path overlaps; the results in " + folder.string() +
+                        " are those of this recording alone, its session is " + (folder / kept_session).string());
   }
   if (!record.maps_are_whole) {
     std::cerr << "arborslam_offline: interrupted; the maps in " << folder.string() << " are not whole\n";

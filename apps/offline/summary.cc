@@ -37,6 +37,30 @@ Json Optimization(const PoseGraphSummary& summary) {
           {"loops_dropped", summary.dropped_loops.size()}};
 }
 
+Json Merge(const JoinRecord& join) {
+  const PlaceVotes& votes = join.votes;
+  const bool is_placed = votes.reason.empty();
+  Json merge{{"session", join.session},
+             {"placed", is_placed},
+             {"reason", votes.reason},
+             {"votes",
+              {{"asked", votes.num_asked},
+               {"recognized", votes.num_recognized},
+               {"agreeing", votes.agreeing.size()},
+               {"rivals", votes.num_rivals}}},
+             {"place_ms", join.place_ms}};
+  if (!is_placed) return merge;
+  const MergeSolution& solution = join.solution;
+  merge["pose"] = {{"x_m", votes.T_a_b.x()}, {"y_m", votes.T_a_b.y()}, {"theta_rad", votes.T_a_b.theta()}};
+  merge["loops_across"] = {{"tried", solution.num_cross_tried}, {"accepted", solution.num_cross_accepted}};
+  merge["optimization"] = Optimization(solution.loop_optimization);
+  Json passes = Json::array();
+  for (const PoseGraphSummary& pass : solution.refinements) passes.push_back(Optimization(pass));
+  merge["refinement_passes"] = passes;
+  merge["solution_ms"] = solution.loop_ms + solution.optimize_ms + solution.refine_ms;
+  return merge;
+}
+
 }  // namespace
 
 std::string SummaryJson(const RunRecord& record) {
@@ -100,6 +124,8 @@ std::string SummaryJson(const RunRecord& record) {
   summary["loops"]["refinement_passes"] = passes;
   summary["loops"]["candidates"] = candidates;
 
+  if (record.join) summary["merge"] = Merge(*record.join);
+
   if (record.cloud) {
     summary["cloud"] = {{"sweeps", record.cloud->num_sweeps},
                         {"points", record.cloud->num_points},
@@ -145,6 +171,7 @@ std::string SummaryText(const RunRecord& record) {
       (record.finish.loop_ms + record.finish.optimize_ms + record.finish.refine_ms) / 1000.0, record.maps_ms / 1000.0,
       record.wall_seconds, PeakMemoryMib());
   std::string result = text;
+  if (record.join) result += record.input + ": " + TextOf(*record.join) + "\n";
   if (record.errors) {
     const auto line = [&](const char* name, const TrajectoryMetrics& metrics) {
       std::snprintf(text, sizeof(text), "%s: ATE RMSE %.4f m, max %.3f m, end %.3f m (SE(2)-aligned)\n", name,

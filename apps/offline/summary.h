@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/offline/joint_map.h"
 #include "apps/offline/loop_errors.h"
 #include "backend/slam.h"
 #include "core/evaluation/trajectory_metrics.h"
@@ -34,7 +35,8 @@ struct RunRecord {
   bool is_interrupted = false;
   std::vector<std::string> notices;  ///< Of the reader.
   std::vector<ScanResult> scans;     ///< In the order of the file.
-  FinishResult finish;
+  FinishResult finish;               ///< Of the recording by itself.
+  std::optional<JoinRecord> join;    ///< Of a recording that was to be placed in the map of a session.
   std::optional<CloudRecord> cloud;  ///< None if none was made.
   bool maps_are_whole = true;        ///< False: the second reading was interrupted.
   double maps_ms = 0.0;              ///< [ms], the second reading and the maps made from it.
@@ -44,8 +46,8 @@ struct RunRecord {
 };
 
 /// summary.json (its keys carry their units): the input, counts, every rejected or skipped scan with its reason, every
-/// loop that was tried with its figures, times of the stages (median, p95, max), peak memory, and the errors if there
-/// was a reference.
+/// loop that was tried with its figures, where it was placed in a session's map, times of the stages (median, p95,
+/// max), peak memory, and the errors if there was a reference.
 std::string SummaryJson(const RunRecord& record);
 
 /// The same in a few lines for people.

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "apps/common/output_folder.h"
+#include "apps/offline/loaded_session.h"
 #include "apps/session/commands.h"
-#include "apps/session/loaded_session.h"
 #include "apps/session/session_outputs.h"
 #include "core/error.h"
 

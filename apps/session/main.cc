@@ -24,16 +24,16 @@ Works on the session.db that arborslam_offline writes.
 
   info --session FILE.db      prints what the session holds
   export --session FILE.db --output DIR
-                              writes trajectory.tum, graph.g2o, map.yaml, map.pgm and map.png without the recording; of a
-                              session that is not finished as if the recording had ended there, without loops closed;
+                              writes trajectory.tum, graph.g2o, map.yaml, map.pgm and map.png without the recording; of
+                              a session that is not finished as if the recording had ended there, without loops closed;
                               of a merged one trajectory_1.tum, trajectory_2.tum, ..., one for each recording
   merge --session FILE.db FILE.db [...] --output DIR [--set SECTION.KEY=VALUE ...]
                               makes one map of sessions of one site whose paths overlap, in the frame of the first one;
                               how they lie to each other need not be known. All must be of one kind of lidar and made
-                              with the same options. Writes session.db, which all programs take but which no run goes
-                              on with, and what export writes. --set: options over those of the sessions; there are
-                              also sections 'merge' and 'place'. When a session has no certain place among those
-                              before it, nothing is written (exit code 1)
+                              with the same options. Writes session.db, which all programs take (further recordings:
+                              arborslam_offline --session), and what export writes. --set: options over those of the
+                              sessions; there are also sections 'merge' and 'place'. When a session has no certain
+                              place among those before it, nothing is written (exit code 1)
   verify --session FILE.db    reads all of it; one line says that it is whole or what is wrong (exit code 1)
   migrate --session FILE.db   brings a session of an older format to the present one
   --help, --version

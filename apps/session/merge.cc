@@ -1,11 +1,8 @@
 #include <algorithm>
 #include <cstddef>
-#include <cstdio>
 #include <filesystem>
 #include <iostream>
-#include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <string>
 #include <thread>
 #include <utility>
@@ -13,9 +10,10 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/output_folder.h"
+#include "apps/offline/loaded_session.h"
 #include "apps/session/commands.h"
-#include "apps/session/loaded_session.h"
 #include "apps/session/session_outputs.h"
+#include "backend/merge/known_scans.h"
 #include "backend/merge/session_merger.h"
 #include "backend/store/session_writer.h"
 #include "core/config/config_schema.h"
@@ -53,16 +51,10 @@ void RequireSameOptions(const NamedSession& first, const NamedSession& other) {
                   "map one of the recordings again with the other's options");
 }
 
-bool IsSpatial(const NamedSession& session) {
-  return !session.session.contents.keyframes.front().scan.point_rays_are_free;
-}
-
-// A recording that is given twice would agree with itself in every error.
 void RequireOtherRecordings(const NamedSession& first, const NamedSession& other) {
-  std::set<uint64_t> known;
-  for (const SessionContents::ReadScan& scan : first.session.contents.read) known.insert(scan.fingerprint);
+  const KnownScans known(first.session.contents);
   for (const SessionContents::ReadScan& scan : other.session.contents.read) {
-    if (scan.fingerprint == 0 || known.count(scan.fingerprint) == 0) continue;
+    if (!known.Hold(scan.fingerprint)) continue;
     throw UserError(other.path, "holds scans that " + first.path + " holds already", "give each recording once");
   }
 }
@@ -76,10 +68,11 @@ std::vector<NamedSession> LoadSessions(const std::vector<std::string>& paths) {
     }
     for (const NamedSession& other : sessions) {
       RequireOtherRecordings(other, session);
-      if (IsSpatial(session) != IsSpatial(other)) {
+      const bool is_spatial = IsSpatial(session.session.contents);
+      if (is_spatial != IsSpatial(other.session.contents)) {
         throw UserError(path,
-                        IsSpatial(session) ? "was made from sweeps in space, but " + other.path + " from planar scans"
-                                           : "was made from planar scans, but " + other.path + " from sweeps in space",
+                        is_spatial ? "was made from sweeps in space, but " + other.path + " from planar scans"
+                                   : "was made from planar scans, but " + other.path + " from sweeps in space",
                         "merge sessions of one kind of lidar");
       }
       RequireSameOptions(other, session);
@@ -87,18 +80,6 @@ std::vector<NamedSession> LoadSessions(const std::vector<std::string>& paths) {
     sessions.push_back(std::move(session));
   }
   return sessions;
-}
-
-std::string TextOf(const SE2& pose) {
-  char text[96];
-  std::snprintf(text, sizeof(text), "(%.3f m, %.3f m, %.4f rad)", pose.x(), pose.y(), pose.theta());
-  return text;
-}
-
-std::string TextOf(const PlaceVotes& votes) {
-  return std::to_string(votes.num_asked) + " keyframes asked, " + std::to_string(votes.num_recognized) +
-         " recognised a place, " + std::to_string(votes.agreeing.size()) + " agree on one, " +
-         std::to_string(votes.num_rivals) + " on another";
 }
 
 // Adds all but the first session. Throws `UserError` when one finds no place.
@@ -115,25 +96,10 @@ void AddAll(const std::vector<NamedSession>& sessions, SessionMerger* merger) {
   }
 }
 
-std::string LoopsText(const std::vector<NamedSession>& sessions, const GlobalSolution& solution,
-                      const SessionContents& merged) {
-  // By number: keyframes are counted on from session to session, and a submap is of one session.
-  std::vector<size_t> session_of_keyframe;
-  for (size_t i = 0; i < sessions.size(); ++i) {
-    session_of_keyframe.resize(session_of_keyframe.size() + sessions[i].session.contents.keyframes.size(), i);
-  }
-  const auto session_of = [&](KeyframeId id) { return session_of_keyframe[static_cast<size_t>(id.value)]; };
-  std::map<int, size_t> session_of_submap;
-  for (const Submap& submap : merged.submaps) session_of_submap[submap.id.value] = session_of(submap.keyframes.front());
-  size_t num_tried = 0;
-  size_t num_accepted = 0;
-  for (const LoopCandidate& loop : solution.loops) {
-    if (session_of_submap.at(loop.submap.value) == session_of(loop.keyframe)) continue;
-    ++num_tried;
-    num_accepted += loop.accepted ? 1 : 0;
-  }
-  return "loops across sessions: " + std::to_string(num_accepted) + " accepted of " + std::to_string(num_tried) +
-         " tried; of all loops " + std::to_string(solution.loop_optimization.dropped_loops.size()) + " were dropped\n";
+std::string LoopsText(const MergeSolution& solution) {
+  return "loops across sessions: " + std::to_string(solution.num_cross_accepted) + " accepted of " +
+         std::to_string(solution.num_cross_tried) + " tried; of all loops " +
+         std::to_string(solution.loop_optimization.dropped_loops.size()) + " were dropped\n";
 }
 
 }  // namespace
@@ -162,12 +128,12 @@ int SessionMerge(const std::vector<std::string>& paths, const std::string& folde
   std::vector<std::string> names = SessionOutputNames(merger.merged().recordings.size());
   names.emplace_back(kSessionFile);
   const std::filesystem::path folder = PrepareOutputFolder(folder_name, names, paths);
-  const GlobalSolution solution = merger.Finish();
+  const MergeSolution solution = merger.Finish();
   LoadedSession merged{options, merger.merged()};
   merged.contents.config = schema.ToYaml();
   WriteSession((folder / kSessionFile).string(), merged.contents);
   WriteSessionOutputs(folder, merged);
-  std::cout << LoopsText(sessions, solution, merged.contents) << merged.contents.recordings.size() << " recordings, "
+  std::cout << LoopsText(solution) << merged.contents.recordings.size() << " recordings, "
             << merged.contents.scans.size() << " scans with a pose; results in " << folder.string() << "\n";
   return 0;
 }

@@ -40,22 +40,17 @@ void WriteSessionOutputs(const std::filesystem::path& folder, const LoadedSessio
   const SessionContents& contents = session.contents;
   // A lidar in the plane is fine enough for the map that people look at; sweeps' finer one needs the recording.
   OccupancyGridOptions grid = session.options.slam.grid;
-  if (contents.keyframes.front().scan.point_rays_are_free && session.options.map.resolution > 0.0) {
+  if (!IsSpatial(contents) && session.options.map.resolution > 0.0) {
     grid.cell_size = session.options.map.resolution;
   }
   const GridImage map = ToGridImage(MapOf(contents.graph, contents.keyframes, grid));
 
-  const size_t num_recordings = contents.recordings.size();
-  const Trajectory3 all = Trajectory3Of(contents.graph, contents.scans);
+  const std::vector<Trajectory3> trajectories = TrajectoriesOf(contents);
+  const size_t num_recordings = trajectories.size();
   std::vector<Trajectory> planar;
-  auto begin = all.poses.begin();
   for (size_t i = 0; i < num_recordings; ++i) {
-    const auto end = begin + static_cast<std::ptrdiff_t>(contents.recordings[i].num_posed);
-    Trajectory3 trajectory;
-    trajectory.poses.assign(begin, end);
-    begin = end;
-    planar.push_back(ToPlanar(trajectory));
-    WriteTum((folder / (num_recordings > 1 ? NthTrajectory(i) : kOnlyTrajectory)).string(), trajectory);
+    planar.push_back(ToPlanar(trajectories[i]));
+    WriteTum((folder / (num_recordings > 1 ? NthTrajectory(i) : kOnlyTrajectory)).string(), trajectories[i]);
   }
   RemoveOldTrajectories(folder, num_recordings);
   WriteG2o((folder / "graph.g2o").string(), ToG2o(contents.graph));

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/session/loaded_session.h"
+#include "apps/offline/loaded_session.h"
 
 namespace arborslam {
 

@@ -1,8 +1,8 @@
 #include <iostream>
 #include <vector>
 
+#include "apps/offline/loaded_session.h"
 #include "apps/session/commands.h"
-#include "apps/session/loaded_session.h"
 #include "backend/store/session_reader.h"
 #include "core/error.h"
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <optional>
 #include <utility>
 
@@ -106,6 +107,18 @@ std::string MergeOptions::Validate() const {
   if (!(vote_translation > 0.0)) return Violation("vote_translation", vote_translation, "be above 0 m");
   if (!(vote_rotation > 0.0)) return Violation("vote_rotation", vote_rotation, "be above 0 rad");
   return "";
+}
+
+std::string TextOf(const PlaceVotes& votes) {
+  return std::to_string(votes.num_asked) + " keyframes asked, " + std::to_string(votes.num_recognized) +
+         " recognised a place, " + std::to_string(votes.agreeing.size()) + " agree on one, " +
+         std::to_string(votes.num_rivals) + " on another";
+}
+
+std::string TextOf(const SE2& pose) {
+  char text[96];
+  std::snprintf(text, sizeof(text), "(%.3f m, %.3f m, %.4f rad)", pose.x(), pose.y(), pose.theta());
+  return text;
 }
 
 PlaceVotes VoteOnPlace(const SlamOptions& options, const PlaceOptions& place, const MergeOptions& merge,

@@ -53,6 +53,12 @@ struct PlaceVotes {
   std::string reason;               ///< Why they do not tell; empty if they do.
 };
 
+/// "21 keyframes asked, 20 recognised a place, 19 agree on one, 0 on another".
+std::string TextOf(const PlaceVotes& votes);
+
+/// "(1.250 m, -3.000 m, 0.5000 rad)", as messages tell where a map lies.
+std::string TextOf(const SE2& pose);
+
 /// Asks the keyframes of map `b` about every `MergeOptions::spacing` metres where in map `a` they were taken, without
 /// any prior (`PlaceRecognizer`), and whether enough of them agree. Single answers are wrong now and then in a world
 /// that repeats itself, but they do not agree with each other; and what does repeat as a whole shows in a rival that

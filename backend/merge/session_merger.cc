@@ -1,5 +1,7 @@
 #include "backend/merge/session_merger.h"
 
+#include <algorithm>
+#include <map>
 #include <utility>
 
 #include "backend/terrain/scan_tilts.h"
@@ -58,7 +60,8 @@ SessionMerger::SessionMerger(const SlamOptions& options, const PlaceOptions& pla
       merge_(merge),
       num_threads_(num_threads),
       matcher_(options.matcher, options.mhd, options.refinement),
-      merged_(std::move(first)) {
+      merged_(std::move(first)),
+      ends_{merged_.keyframes.size()} {
   merged_.is_finished = true;
   merged_.state.clear();
 }
@@ -69,6 +72,7 @@ PlaceVotes SessionMerger::Add(const SessionContents& next) {
   const IdShift shift(merged_);
   const size_t num_known = merged_.scans.size();
   Append(next, shift, votes.T_a_b, &merged_);
+  ends_.push_back(merged_.keyframes.size());
   for (const PlaceVote& vote : votes.agreeing) {
     merged_.graph.AddConstraint(
         {vote.submap, shift(vote.keyframe), vote.match.pose, vote.match.information, Constraint::Kind::kLoop});
@@ -79,11 +83,28 @@ PlaceVotes SessionMerger::Add(const SessionContents& next) {
   return votes;
 }
 
-GlobalSolution SessionMerger::Finish() {
-  GlobalSolution solution =
+MergeSolution SessionMerger::Finish() {
+  MergeSolution solution;
+  static_cast<GlobalSolution&>(solution) =
       SolveGlobally(options_, matcher_, num_threads_, merged_.keyframes, &merged_.graph, &merged_.submaps);
   SmoothTilts(options_.terrain, merged_.graph, &merged_.scans);
+  CountCross(&solution);
   return solution;
+}
+
+void SessionMerger::CountCross(MergeSolution* solution) const {
+  const auto session_of = [this](KeyframeId id) {
+    return std::upper_bound(ends_.begin(), ends_.end(), static_cast<size_t>(id.value)) - ends_.begin();
+  };
+  // A submap is of one session.
+  std::map<int, std::ptrdiff_t> session_of_submap;
+  for (const Submap& submap : merged_.submaps)
+    session_of_submap[submap.id.value] = session_of(submap.keyframes.front());
+  for (const LoopCandidate& loop : solution->loops) {
+    if (session_of_submap.at(loop.submap.value) == session_of(loop.keyframe)) continue;
+    ++solution->num_cross_tried;
+    solution->num_cross_accepted += loop.accepted ? 1 : 0;
+  }
 }
 
 }  // namespace arborslam

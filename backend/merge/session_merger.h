@@ -1,6 +1,9 @@
 #ifndef ARBORSLAM_BACKEND_MERGE_SESSION_MERGER_H_
 #define ARBORSLAM_BACKEND_MERGE_SESSION_MERGER_H_
 
+#include <cstddef>
+#include <vector>
+
 #include "backend/global_solution.h"
 #include "backend/loop/place_recognizer.h"
 #include "backend/merge/place_votes.h"
@@ -9,6 +12,13 @@
 #include "frontend/matching/matcher.h"
 
 namespace arborslam {
+
+/// How the map of several sessions was made consistent.
+struct MergeSolution : GlobalSolution {
+  // Of the loops those from one session, as it was given to the merger, to another.
+  size_t num_cross_tried = 0;
+  size_t num_cross_accepted = 0;
+};
 
 /// Makes one map of several sessions whose relative poses are not known. Each is placed in what there is by votes of
 /// its keyframes (`VoteOnPlace`), which become loops; at the end all is solved together, as a run's end does it: loops
@@ -25,19 +35,23 @@ class SessionMerger {
   PlaceVotes Add(const SessionContents& next);
 
   /// Solves all together; nothing may be added after it.
-  GlobalSolution Finish();
+  MergeSolution Finish();
 
   /// All sessions as one: their recordings, scans, keyframes and submaps in the order in which they were added,
   /// numbered throughout; stamps are kept.
   const SessionContents& merged() const { return merged_; }
 
  private:
+  // Counts the loops across sessions.
+  void CountCross(MergeSolution* solution) const;
+
   SlamOptions options_;
   PlaceOptions place_;
   MergeOptions merge_;
   int num_threads_;
   Matcher matcher_;
   SessionContents merged_;
+  std::vector<size_t> ends_;  // Of each session the number of keyframes up to its last one.
 };
 
 }  // namespace arborslam

@@ -40,6 +40,9 @@ struct SessionContents {
   std::string state;                  ///< Of an unfinished session: what `Slam` goes on with.
 };
 
+/// True if a session, which has a keyframe, was made from sweeps in space; false: from planar scans.
+inline bool IsSpatial(const SessionContents& session) { return !session.keyframes.front().scan.point_rays_are_free; }
+
 }  // namespace arborslam
 
 #endif  // ARBORSLAM_BACKEND_STORE_SESSION_CONTENTS_H_

@@ -40,27 +40,40 @@ void Remove(const std::string& path) {
   if (error) throw UserError(path, "cannot be replaced (" + error.message() + ")", "remove it");
 }
 
-// Fills a new database and puts it in place of the file at `path`. Under its name it is whole from the start, and no
-// unfinished transactions of the file before are taken for its own.
+void RemoveDatabase(const std::string& path) {
+  for (const char* ending : kSideFiles) Remove(path + ending);
+  Remove(path);
+}
+
+void TryToRemoveDatabase(const std::string& path) {
+  std::error_code ignored;
+  for (const char* ending : kSideFiles) std::filesystem::remove(path + ending, ignored);
+  std::filesystem::remove(path, ignored);
+}
+
+// What a session is called until it is put in place of the file at `path`.
+std::string NewName(const std::string& path) { return path + ".new"; }
+
+// Fills a new database at `path`.
 template <class Fill>
-void MakeDatabase(const std::string& path, const Fill& fill) {
-  const std::string temporary = path + ".new";
-  for (const char* ending : kSideFiles) Remove(temporary + ending);
-  Remove(temporary);
+void FillNew(const std::string& path, const Fill& fill) {
+  RemoveDatabase(path);
   try {
-    Database database(temporary, Database::Mode::kCreate);
+    Database database(path, Database::Mode::kCreate);
     fill(&database);
   } catch (const UserError&) {
-    std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
+    TryToRemoveDatabase(path);
     throw;
   }
+}
+
+// Puts a database that is closed in place of the file at `path`. No unfinished transactions of the file before are
+// taken for its own.
+void PutInPlace(const std::string& source, const std::string& path) {
   for (const char* ending : kSideFiles) Remove(path + ending);
   std::error_code error;
-  std::filesystem::rename(temporary, path, error);
-  if (!error) return;
-  Remove(temporary);
-  throw UserError(path, "cannot be created (" + error.message() + ")", "choose another --output");
+  std::filesystem::rename(source, path, error);
+  if (error) throw UserError(path, "cannot be created (" + error.message() + ")", "choose another --output");
 }
 
 // What the end of a run came to; its scans are written already, with stamps that are earlier by `stamp_shift` [s].
@@ -81,14 +94,11 @@ void WriteFinished(const PoseGraph& graph, const std::vector<Submap>& submaps, c
 
 }  // namespace
 
-void CopySession(const std::string& source, const std::string& target) {
-  Database database(source, Database::Mode::kRead);
-  SessionFormatOf(&database);
-  MakeDatabase(target, [&database](Database* copy) { copy->CopyFrom(database); });
-}
+void MoveSession(const std::string& source, const std::string& target) { PutInPlace(source, target); }
 
 void WriteSession(const std::string& path, const SessionContents& contents) {
-  MakeDatabase(path, [&](Database* database) {
+  const std::string temporary = NewName(path);
+  FillNew(temporary, [&](Database* database) {
     CreateSessionTables(database);
     database->Execute("BEGIN");
     SetValue(database, kSessionConfig, contents.config);
@@ -106,20 +116,45 @@ void WriteSession(const std::string& path, const SessionContents& contents) {
     WriteFinished(contents.graph, contents.submaps, contents.scans, 0.0, database, &rows);
     database->Execute("COMMIT");
   });
+  try {
+    PutInPlace(temporary, path);
+  } catch (const UserError&) {
+    TryToRemoveDatabase(temporary);
+    throw;
+  }
 }
 
 std::unique_ptr<SessionWriter> SessionWriter::Create(const std::string& path, const std::string& config,
                                                      const std::string& input) {
-  MakeDatabase(path, [&](Database* database) {
+  FillNew(NewName(path), [&](Database* database) {
     CreateSessionTables(database);
     SetValue(database, kSessionConfig, config);
     SetFinished(database, false);
     SessionRows(database).AddRecording(0, input);
   });
-  return std::unique_ptr<SessionWriter>(new SessionWriter(path, Written()));
+  return Opened(path, NewName(path), Written());
 }
 
 std::unique_ptr<SessionWriter> SessionWriter::Continue(const std::string& path, const SessionContents& contents) {
+  return Opened(path, path, WrittenOf(contents));
+}
+
+std::unique_ptr<SessionWriter> SessionWriter::ContinueCopy(const std::string& source, const std::string& path,
+                                                           const SessionContents& contents) {
+  Database database(source, Database::Mode::kRead);
+  SessionFormatOf(&database);
+  FillNew(NewName(path), [&database](Database* copy) { copy->CopyFrom(database); });
+  return Opened(path, NewName(path), WrittenOf(contents));
+}
+
+std::unique_ptr<SessionWriter> SessionWriter::Opened(const std::string& path, const std::string& file,
+                                                     Written written) {
+  std::unique_ptr<SessionWriter> session(new SessionWriter(path, file, std::move(written)));
+  session->Open();
+  return session;
+}
+
+SessionWriter::Written SessionWriter::WrittenOf(const SessionContents& contents) {
   Written written;
   written.may_have_end = true;
   written.read = contents.read.size();
@@ -130,21 +165,41 @@ std::unique_ptr<SessionWriter> SessionWriter::Continue(const std::string& path, 
   written.submap_nodes = contents.graph.poses().size() - contents.keyframes.size();
   // Which of them the window still moves is not known here: the first transaction writes them all.
   for (const auto& [id, pose] : contents.graph.poses()) written.open.push_back(id);
-  return std::unique_ptr<SessionWriter>(new SessionWriter(path, std::move(written)));
+  return written;
 }
 
-SessionWriter::SessionWriter(const std::string& path, Written written)
-    : path_(path), database_(std::in_place, path, Database::Mode::kWrite), written_(std::move(written)) {
+SessionWriter::SessionWriter(const std::string& path, const std::string& file, Written written)
+    : path_(path), file_(file), is_own_(file != path), written_(std::move(written)) {}
+
+SessionWriter::~SessionWriter() {
+  if (IsInPlace()) return;
+  Close();
+  TryToRemoveDatabase(file_);
+}
+
+void SessionWriter::Open() {
+  database_.emplace(file_, Database::Mode::kWrite);
   // One writer at a time, and none of the memory that readers would share with it.
   database_->Execute("PRAGMA locking_mode = EXCLUSIVE");
-  database_->Execute("PRAGMA journal_mode = WAL");
+  // A file that is to be renamed holds all that was committed; one in its place may have its latest beside it.
+  database_->Execute(std::string("PRAGMA journal_mode = ") + (IsInPlace() ? "WAL" : "DELETE"));
   // A killed program loses nothing that was committed; a power cut may lose the last transactions, never the file.
   database_->Execute("PRAGMA synchronous = NORMAL");
   MigrateSession(&*database_);
   rows_ = std::make_unique<SessionRows>(&*database_);
 }
 
-SessionWriter::~SessionWriter() = default;
+void SessionWriter::Close() {
+  rows_.reset();
+  database_.reset();
+}
+
+void SessionWriter::MoveIntoPlace() {
+  Close();
+  PutInPlace(file_, path_);
+  file_ = path_;
+  Open();
+}
 
 void SessionWriter::Begin() {
   if (in_transaction_) return;
@@ -161,7 +216,7 @@ void SessionWriter::Add(uint64_t fingerprint, const ScanResult& result, const Sl
   ++written_.read;
   written_.posed = slam.scans().size();
   const std::chrono::duration<double> since_commit = std::chrono::steady_clock::now() - last_commit_;
-  if (since_commit.count() >= kInterval) Commit(slam);
+  if (since_commit.count() >= kInterval || IsWorthItsPlace(slam)) Commit(slam);
 }
 
 void SessionWriter::Commit(const Slam& slam) {
@@ -186,7 +241,10 @@ void SessionWriter::Commit(const Slam& slam) {
   database_->Execute("COMMIT");
   in_transaction_ = false;
   last_commit_ = std::chrono::steady_clock::now();
+  if (IsWorthItsPlace(slam)) MoveIntoPlace();
 }
+
+bool SessionWriter::IsWorthItsPlace(const Slam& slam) const { return !IsInPlace() && !slam.keyframes().empty(); }
 
 void SessionWriter::WritePoses(const Slam& slam) {
   std::vector<NodeId> moved = std::move(written_.open);
@@ -202,10 +260,8 @@ void SessionWriter::WritePoses(const Slam& slam) {
 }
 
 void SessionWriter::Discard() {
-  rows_.reset();
-  database_.reset();
-  for (const char* ending : kSideFiles) Remove(path_ + ending);
-  Remove(path_);
+  Close();
+  if (is_own_) RemoveDatabase(file_);
 }
 
 void SessionWriter::Finish(const Slam& slam, double stamp_shift) {
@@ -215,6 +271,7 @@ void SessionWriter::Finish(const Slam& slam, double stamp_shift) {
   in_transaction_ = false;
   rows_.reset();
   database_->Execute("PRAGMA journal_mode = DELETE");
+  Close();
 }
 
 }  // namespace arborslam

@@ -16,25 +16,30 @@
 
 namespace arborslam {
 
-/// Puts a copy of the session at `source` in place of the file at `target`, whole or not at all. Throws `UserError`.
-void CopySession(const std::string& source, const std::string& target);
+/// Gives the finished session at `source` the name `target`, in place of a file that is there, at once. Throws
+/// `UserError`.
+void MoveSession(const std::string& source, const std::string& target);
 
 /// Writes a session that no run goes on with, such as a merged one, as a finished one in place of the file at `path`,
 /// whole or not at all. `contents` must be such as `ReadSession` may return. Throws `UserError`.
 void WriteSession(const std::string& path, const SessionContents& contents);
 
 /// Writes a run into a session file as it goes, in transactions: whenever the program ends, be it killed, the file
-/// opens again and lacks what came after the last of them at most. Everything that goes wrong is a `UserError`; what
-/// was written until then stays. For one thread.
+/// opens again and lacks what came after the last of them at most. A new session takes its place as soon as it holds a
+/// keyframe; what was there stays until then, and for good when none comes. Everything that goes wrong is a
+/// `UserError`; what was written until then stays. For one thread.
 class SessionWriter {
  public:
-  /// Begins a session at `path`, in place of a file that is there; see `SessionContents` for `config`. `input` names
-  /// the recording for people.
+  /// Begins a session that takes the place of a file at `path`; see `SessionContents` for `config`. `input` names the
+  /// recording for people.
   static std::unique_ptr<SessionWriter> Create(const std::string& path, const std::string& config,
                                                const std::string& input);
   /// Goes on with the session at `path`, which holds `contents` (as `ReadTracked` reads it) and is brought to the
   /// present format. What an end of the run had added to it is taken away with the first transaction.
   static std::unique_ptr<SessionWriter> Continue(const std::string& path, const SessionContents& contents);
+  /// The same with a copy of the session at `source`, which takes the place of a file at `path` that is another one.
+  static std::unique_ptr<SessionWriter> ContinueCopy(const std::string& source, const std::string& path,
+                                                     const SessionContents& contents);
   ~SessionWriter();
 
   /// Takes what became of the scan that `slam` was given last, and, when a transaction is due, all that is new in
@@ -42,7 +47,8 @@ class SessionWriter {
   void Add(uint64_t fingerprint, const ScanResult& result, const Slam& slam);
   /// Ends the present transaction with all that is new in `slam`, whose run has not ended.
   void Commit(const Slam& slam);
-  /// Closes the session and removes its file; nothing may follow.
+  /// Closes the session and removes what was written, but leaves a file that `Continue` goes on with; nothing may
+  /// follow.
   void Discard();
   /// Writes what the end of the run came to, after `Commit` and `Slam::Finish`, once, and closes the session: a single
   /// file.
@@ -65,13 +71,24 @@ class SessionWriter {
     std::vector<NodeId> open;   // Poses that may have moved since.
   };
 
-  SessionWriter(const std::string& path, Written written);
+  SessionWriter(const std::string& path, const std::string& file, Written written);
 
+  static std::unique_ptr<SessionWriter> Opened(const std::string& path, const std::string& file, Written written);
+  // All of a session.
+  static Written WrittenOf(const SessionContents& contents);
+
+  void Open();
+  void Close();
+  bool IsInPlace() const { return file_ == path_; }
+  bool IsWorthItsPlace(const Slam& slam) const;
+  void MoveIntoPlace();
   void Begin();
   void WritePoses(const Slam& slam);
 
   std::string path_;
-  std::optional<Database> database_;   // Until it is discarded.
+  std::string file_;                   // Where the session is at present: `path_`, or a new name beside it.
+  bool is_own_;                        // False: the file was there before.
+  std::optional<Database> database_;   // Until it is closed.
   std::unique_ptr<SessionRows> rows_;  // Of the database.
   Written written_;
   bool in_transaction_ = false;

@@ -10,6 +10,8 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -99,8 +101,8 @@ class PlanarProgramTest : public ProgramTest {
     WriteRecording("run.npz", 5);
   }
 
-  // Once around an orchard.
-  void WriteRecording(const std::string& name, int seed) const {
+  // Once around an orchard; the scan number `silent` has no returns.
+  void WriteRecording(const std::string& name, int seed, std::optional<size_t> silent = std::nullopt) const {
     PlanarOrchardOptions options;
     options.seed = seed;
     options.rows = 3;
@@ -110,7 +112,8 @@ class PlanarProgramTest : public ProgramTest {
     NpyArray scans{{orchard.NumScans(), 449}, {}};
     NpyArray stamps{{orchard.NumScans()}, {}};
     for (size_t i = 0; i < orchard.NumScans(); ++i) {
-      const LaserScan scan = orchard.Scan(i);
+      LaserScan scan = orchard.Scan(i);
+      if (i == silent) std::fill(scan.ranges.begin(), scan.ranges.end(), std::numeric_limits<float>::infinity());
       scans.values.insert(scans.values.end(), scan.ranges.begin(), scan.ranges.end());
       stamps.values.push_back(scan.stamp);
     }

@@ -473,6 +473,24 @@ TEST_F(OfflineTest, RefusesRecordingsWithoutASingleUsableScan) {
   ExpectError("--input two_beams.npz --output out", 1, {"two_beams.npz", "none of its 2 scans"});
 }
 
+TEST_F(OfflineTest, ARunThatComesToNothingLeavesEarlierResultsAlone) {
+  WriteShortRun();
+  RunWell("--input run.npz --output results");
+  std::map<std::string, std::string> before;
+  for (const std::string& file : kResults) before[file] = Result("results", file);
+  Recording recording = Record(Orchard(5));
+  for (std::vector<double>& scan : recording.ranges) scan.assign(recording.num_beams, kInfinity);
+  Write("empty.npz", recording.Arrays());
+  ExpectError("--input empty.npz --output results", 1, {"empty.npz", "none of its 5 scans"});
+  ExpectError("--input none.npz --output results", 1, {"none.npz: does not exist"});
+  // Nor does one that goes on with a session it was not made from.
+  RunWell("--input run.npz --output part --max_scans 20");
+  Write("short.npz", Record(Orchard(10)).Arrays());
+  ExpectError("--session part/session.db --input short.npz --output results", 1, {"short.npz"});
+  EXPECT_EQ(Files("results"), kResults);
+  for (const auto& [file, bytes] : before) EXPECT_TRUE(Result("results", file) == bytes) << file;
+}
+
 TEST_F(OfflineTest, RefusesGroundTruthThatCannotBeReadBeforeAnyWork) {
   WriteShortRun();
   const std::string valid = "--input run.npz --output out ";

@@ -10,21 +10,14 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <string>
 #include <thread>
 #include <vector>
 
-#include "backend/store/session_writer.h"
-#include "core/io/npz.h"
-#include "core/io/trajectory_io.h"
-#include "core/simulation/orchard.h"
-#include "core/simulation/planar_orchard.h"
-#include "core/simulation/simulated_run.h"
 #include "tests/apps/program_test.h"
-#include "tests/backend/session_of_run.h"
+#include "tests/apps/walks_test.h"
 
 namespace arborslam {
 namespace {
@@ -91,10 +84,11 @@ TEST_F(SessionProgramTest, ARunThatWasStoppedGoesOnInAnotherFolder) {
 }
 
 TEST_F(SessionProgramTest, TellsWhyItDoesNotGoOn) {
-  WriteRecording("other.npz", 6);
   RunWell("arborslam_offline", "--input run.npz --output part --max_scans 40");
-  ExpectError("arborslam_offline", "--session part/session.db --input other.npz --output out", 1,
-              {"other.npz", "scan 1 is not the one", "part/session.db"});
+  RunWell("arborslam_offline", "--input run.npz --output longer --max_scans 41");
+  WriteRecording("changed.npz", 5, 40);
+  ExpectError("arborslam_offline", "--session longer/session.db --input changed.npz --output out", 1,
+              {"changed.npz", "scan 41 is not the one", "longer/session.db"});
   EXPECT_FALSE(fs::exists(Path("out/session.db")));
   ExpectError("arborslam_offline",
               "--session part/session.db --input run.npz --output out --set tracker.rebuild_distance=3", 2,
@@ -131,56 +125,7 @@ TEST_F(SessionProgramTest, ExportsWithoutTheRecording) {
             std::string::npos);
 }
 
-// Two walks through one orchard, there.npz and back.npz, and one through another orchard, other.npz.
-class SessionMergeProgramTest : public ProgramTest {
- protected:
-  void SetUp() override {
-    ProgramTest::SetUp();
-    const PlanarOrchard orchard(Options(2));
-    const auto last = static_cast<int>(orchard.NumScans()) - 1;
-    WriteWalk("there", OtherWalk(orchard, 0, last, 0.0, 3, 100.0));
-    // Stamps that overlap with those of the other walk are no problem.
-    WriteWalk("back", OtherWalk(orchard, last * 3 / 4, 0, 0.1, 7, 50.0));
-  }
-
-  static PlanarOrchardOptions Options(int seed) {
-    PlanarOrchardOptions options;
-    options.seed = seed;
-    options.rows = 3;
-    options.trees_per_row = 9;
-    return options;
-  }
-
-  // A walk as a recording, and where it really went, in the frame of the orchard.
-  void WriteWalk(const std::string& name, const OtherWalk& walk) const {
-    NpyArray scans{{walk.scans.size(), walk.scans.front().ranges.size()}, {}};
-    NpyArray stamps{{walk.scans.size()}, {}};
-    Trajectory truth;
-    for (size_t i = 0; i < walk.scans.size(); ++i) {
-      const LaserScan& scan = walk.scans[i];
-      scans.values.insert(scans.values.end(), scan.ranges.begin(), scan.ranges.end());
-      stamps.values.push_back(scan.stamp);
-      truth.push_back({scan.stamp, walk.truth[i]});
-    }
-    WriteNpz(Path(name + ".npz").string(), {{"scan0", scans}, {"time", stamps}});
-    WriteTum(Path(name + ".tum").string(), truth);
-  }
-
-  // The session of a few sweeps in space.
-  void SimulatedSweeps(const std::string& name) const {
-    const OrchardOptions options;
-    const SimulatedRun run(options.run, MakeOrchard(options));
-    std::vector<LidarSweep> sweeps;
-    for (size_t i = 0; i < 10; ++i) sweeps.push_back(run.Sweep(i));
-    WriteSession(Path(name).string(), SessionOf(sweeps, "sweeps"));
-  }
-
-  void Map(const std::string& name, const std::string& flags = "") const {
-    RunWell("arborslam_offline", "--input " + name + ".npz --output " + name + " " + flags);
-  }
-};
-
-TEST_F(SessionMergeProgramTest, MakesOneMapOfTwoSessions) {
+TEST_F(WalksProgramTest, MakesOneMapOfTwoSessions) {
   Map("there");
   Map("back");
   // What an earlier merge left.
@@ -205,7 +150,7 @@ TEST_F(SessionMergeProgramTest, MakesOneMapOfTwoSessions) {
   EXPECT_LT(errors.at("joint").at("ate_se2_rmse_m").get<double>(), 0.06);
   EXPECT_EQ(errors.at("runs")[1].at("unmatched_reference_poses"), 0);
 
-  // The session is one like any other, but that no run goes on with it.
+  // The session is one like any other.
   const std::string info = RunWell("arborslam_session", "info --session both/session.db").out;
   for (const char* part : {"recording    there.npz", "recording    back.npz", "finished"}) {
     EXPECT_NE(info.find(part), std::string::npos) << info;
@@ -218,10 +163,11 @@ TEST_F(SessionMergeProgramTest, MakesOneMapOfTwoSessions) {
   RunWell("arborslam_localize", "--session both/session.db --input back.npz --output located --max_scans 20");
   EXPECT_FALSE(ReadFile(Path("located/trajectory.tum")).empty());
   ExpectError("arborslam_offline", "--session both/session.db --input back.npz --output again", 1,
-              {"both/session.db", "was merged from 2 recordings"});
+              {"back.npz", "both/session.db holds already"});
+  EXPECT_FALSE(fs::exists(Path("again")));
 }
 
-TEST_F(SessionMergeProgramTest, RefusesWhatDoesNotGoTogetherAndWritesNothing) {
+TEST_F(WalksProgramTest, RefusesWhatDoesNotGoTogetherAndWritesNothing) {
   Map("there");
   const PlanarOrchard other(Options(5));
   WriteWalk("other", OtherWalk(other, 0, static_cast<int>(other.NumScans()) - 1, 0.0, 3, 0.0));

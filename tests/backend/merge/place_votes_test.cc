@@ -90,6 +90,15 @@ TEST(VoteOnPlaceTest, MoreVotesThanThereAreAreTooMany) {
   EXPECT_EQ(Vote(a, b, options).reason, "too few agree");
 }
 
+TEST(PlaceVotesTest, AreToldInOneLine) {
+  PlaceVotes votes;
+  votes.num_asked = 21;
+  votes.num_recognized = 20;
+  votes.agreeing.resize(19);
+  EXPECT_EQ(TextOf(votes), "21 keyframes asked, 20 recognised a place, 19 agree on one, 0 on another");
+  EXPECT_EQ(TextOf(SE2(1.25, -3.0, 0.5)), "(1.250 m, -3.000 m, 0.5000 rad)");
+}
+
 TEST(MergeOptionsTest, NamesWhatIsOutOfRange) {
   EXPECT_EQ(MergeOptions().Validate(), "");
   const auto problem = [](auto&& change) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -93,7 +94,7 @@ TEST_F(SessionMergerTest, FindsHowTwoMapsOfOneOrchardLie) {
   EXPECT_LT(error.translation().norm(), 0.15) << error;
   EXPECT_LT(std::abs(error.theta()), 0.01) << error;
 
-  const GlobalSolution solution = merger.Finish();
+  const MergeSolution solution = merger.Finish();
   EXPECT_FALSE(solution.loops.empty());
   EXPECT_EQ(solution.refinements.size(), static_cast<size_t>(MapRefinementOptions().num_passes));
   // All scans of both in one frame, without any alignment but that of the map's frame.
@@ -114,7 +115,7 @@ TEST_F(SessionMergerTest, FindsHowTwoMapsOfOneOrchardLie) {
 TEST_F(SessionMergerTest, HoldsAllOfBothAndCountsOn) {
   SessionMerger merger = MergerOf(*a_);
   ASSERT_EQ(merger.Add(*b_).reason, "");
-  merger.Finish();
+  const MergeSolution solution = merger.Finish();
   const SessionContents& merged = merger.merged();
   EXPECT_TRUE(merged.is_finished);
   EXPECT_TRUE(merged.state.empty());
@@ -146,6 +147,28 @@ TEST_F(SessionMergerTest, HoldsAllOfBothAndCountsOn) {
     EXPECT_EQ(merged.graph.poses().count(submap.id), 1u);
     EXPECT_EQ(is_of_a(submap.keyframes.front()), is_of_a(submap.keyframes.back()));
   }
+  // Loops from one to the other, counted one by one.
+  std::map<int, bool> submap_is_of_a;
+  for (const Submap& submap : merged.submaps) submap_is_of_a[submap.id.value] = is_of_a(submap.keyframes.front());
+  size_t num_tried = 0;
+  size_t num_accepted = 0;
+  for (const LoopCandidate& loop : solution.loops) {
+    if (submap_is_of_a.at(loop.submap.value) == is_of_a(loop.keyframe)) continue;
+    ++num_tried;
+    num_accepted += loop.accepted ? 1 : 0;
+  }
+  EXPECT_GT(num_accepted, 0u);
+  EXPECT_EQ(solution.num_cross_tried, num_tried);
+  EXPECT_EQ(solution.num_cross_accepted, num_accepted);
+  // Within one session none is across.
+  EXPECT_EQ(MergerOf(*a_).Finish().num_cross_tried, 0u);
+  // Each recording has a trajectory of its own.
+  const std::vector<Trajectory3> trajectories = TrajectoriesOf(merged);
+  ASSERT_EQ(trajectories.size(), 2u);
+  EXPECT_EQ(trajectories[0].poses.size(), a_->scans.size());
+  ASSERT_EQ(trajectories[1].poses.size(), b_->scans.size());
+  EXPECT_EQ(trajectories[1].poses.front().stamp, b_->scans.front().stamp);
+  EXPECT_EQ(trajectories[1].poses.back().position, Trajectory3Of(merged.graph, merged.scans).poses.back().position);
   // The motion is that of the runs: none leads from one to the other.
   for (const Constraint& constraint : merged.graph.constraints()) {
     if (constraint.kind != Constraint::Kind::kMotion) continue;

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <string>
@@ -188,7 +189,7 @@ TEST_F(SessionTest, HoldsAllOfARunThatHasNotEnded) {
 TEST_F(SessionTest, GoesOnToTheSameBitsFromAnyScan) {
   const std::vector<Scan> scans = PlanarScans();
   const Slam whole = WholeRun(scans);
-  for (const size_t end : {size_t{0}, size_t{1}, size_t{2}, size_t{9}, size_t{21}, scans.size() / 2, scans.size()}) {
+  for (const size_t end : {size_t{2}, size_t{3}, size_t{9}, size_t{21}, scans.size() / 2, scans.size()}) {
     SCOPED_TRACE(end);
     const Slam resumed = GoOnAfter(end, scans);
     ExpectSameGraph(resumed.graph(), whole.graph());
@@ -212,7 +213,7 @@ TEST_F(SessionTest, GoesOnWithWheelOdometry) {
     wheels = wheels * SE2(0.27, 0.01, 0.02);
   }
   const Slam whole = WholeRun(scans);
-  for (const size_t end : {size_t{1}, size_t{6}, size_t{13}, scans.size() / 2}) {
+  for (const size_t end : {size_t{2}, size_t{6}, size_t{13}, scans.size() / 2}) {
     SCOPED_TRACE(end);
     const Slam resumed = GoOnAfter(end, scans);
     ExpectSameGraph(resumed.graph(), whole.graph());
@@ -260,6 +261,82 @@ TEST_F(SessionTest, LosesWhatWasNotCommittedAndNothingElse) {
   const SessionContents contents = ReadSession(Path());
   EXPECT_EQ(contents.read.size(), 10u);
   EXPECT_EQ(BytesOf(contents.graph.poses()), before);
+}
+
+std::string BytesOfFile(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// No temporary files stay.
+size_t NumFilesBeside(const std::string& path) {
+  const fs::path folder = fs::path(path).parent_path();
+  return static_cast<size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+}
+
+TEST_F(SessionTest, TakesItsPlaceWithTheFirstKeyframe) {
+  const std::vector<Scan> scans = PlanarScans();
+  std::ofstream(Path()) << "an earlier result";
+  for (const bool is_discarded : {false, true}) {
+    Slam slam(SlamOptions(), 1);
+    const auto session = SessionWriter::Create(Path(), "", "");
+    Add(scans[0], &slam, session.get());
+    session->Commit(slam);
+    ASSERT_TRUE(slam.keyframes().empty());
+    EXPECT_EQ(BytesOfFile(Path()), "an earlier result");
+    if (is_discarded) session->Discard();
+  }
+  EXPECT_EQ(BytesOfFile(Path()), "an earlier result");
+  EXPECT_EQ(NumFilesBeside(Path()), 1u);
+
+  Slam slam(SlamOptions(), 1);
+  const auto session = SessionWriter::Create(Path(), "", "a recording");
+  Add(scans[0], &slam, session.get());
+  Add(scans[1], &slam, session.get());
+  // As after the end of a killed program: what a copy of the files holds.
+  fs::create_directories(Path("copy"));
+  for (const char* ending : {"", "-wal"}) {
+    if (fs::exists(Path() + ending)) fs::copy_file(Path() + ending, Path("copy/session.db") + ending);
+  }
+  EXPECT_EQ(ReadSession(Path("copy/session.db")).read.size(), 2u);
+  Add(scans[2], &slam, session.get());
+  session->Commit(slam);
+  slam.Finish(true);
+  session->Finish(slam, 0.0);
+  EXPECT_EQ(ReadSession(Path()).read.size(), 3u);
+  EXPECT_EQ(NumFilesBeside(Path()), 2u);
+  // One that took its place can still be taken away.
+  Slam another(SlamOptions(), 1);
+  const auto discarded = SessionWriter::Create(Path(), "", "");
+  Add(scans[1], &another, discarded.get());
+  discarded->Discard();
+  EXPECT_EQ(NumFilesBeside(Path()), 1u);
+}
+
+TEST_F(SessionTest, GoesOnWithACopyAndLeavesTheSource) {
+  const std::vector<Scan> scans = PlanarScans();
+  Slam slam(SlamOptions(), 1);
+  TrackUpTo(10, scans, &slam);
+  const std::string before = BytesOfFile(Path());
+  std::ofstream(Path("copy.db")) << "an earlier result";
+  SessionContents contents = ReadTracked(Path());
+  {
+    const auto session = SessionWriter::ContinueCopy(Path(), Path("copy.db"), contents);
+    EXPECT_EQ(BytesOfFile(Path("copy.db")), "an earlier result");
+    Slam resumed(SlamOptions(), 1, contents, Path());
+    Add(scans[10], &resumed, session.get());
+    session->Commit(resumed);
+  }
+  EXPECT_EQ(ReadSession(Path("copy.db")).read.size(), 11u);
+  EXPECT_TRUE(BytesOfFile(Path()) == before);
+  // What is gone on with in its place is never thrown away.
+  SessionWriter::Continue(Path(), contents)->Discard();
+  EXPECT_EQ(ReadSession(Path()).read.size(), 10u);
+  MoveSession(Path("copy.db"), Path());
+  EXPECT_EQ(ReadSession(Path()).read.size(), 11u);
+  EXPECT_FALSE(fs::exists(Path("copy.db")));
+  EXPECT_NE(ErrorOf([this] { MoveSession(Path("copy.db"), Path()); }).find("cannot be created"), std::string::npos);
+  EXPECT_EQ(ReadSession(Path()).read.size(), 11u);
 }
 
 TEST_F(SessionTest, ReadsAndMigratesTheFirstFormat) {

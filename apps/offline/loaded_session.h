@@ -1,5 +1,5 @@
-#ifndef ARBORSLAM_APPS_SESSION_LOADED_SESSION_H_
-#define ARBORSLAM_APPS_SESSION_LOADED_SESSION_H_
+#ifndef ARBORSLAM_APPS_OFFLINE_LOADED_SESSION_H_
+#define ARBORSLAM_APPS_OFFLINE_LOADED_SESSION_H_
 
 #include <string>
 
@@ -22,4 +22,4 @@ LoadedSession LoadSession(const std::string& path);
 
 }  // namespace arborslam
 
-#endif  // ARBORSLAM_APPS_SESSION_LOADED_SESSION_H_
+#endif  // ARBORSLAM_APPS_OFFLINE_LOADED_SESSION_H_

@@ -1,4 +1,4 @@
-#include "apps/session/loaded_session.h"
+#include "apps/offline/loaded_session.h"
 
 #include <utility>
 
