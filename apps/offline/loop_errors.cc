@@ -36,6 +36,12 @@ std::map<KeyframeId, SE2> TruePoses(const std::vector<PosedScan>& scans, const s
   return poses;
 }
 
+// A keyframe that a submap is made of.
+struct Member {
+  SE2 T_submap_base;
+  SE2 T_reference_base;
+};
+
 }  // namespace
 
 double LoopErrors::Precision() const { return ShareOf(num_accepted - num_false, num_accepted); }
@@ -43,23 +49,34 @@ double LoopErrors::Precision() const { return ShareOf(num_accepted - num_false, 
 double LoopErrors::Recall() const { return ShareOf(num_accepted - num_false, num_tried); }
 
 LoopErrors EvaluateLoops(const std::vector<LoopCandidate>& loops, const std::vector<Submap>& submaps,
-                         const std::vector<PosedScan>& scans, const std::vector<PosePair>& pairs) {
-  const std::map<KeyframeId, SE2> poses = TruePoses(scans, pairs);
-  std::map<SubmapId, SE2> submap_poses;
+                         const std::vector<PosedScan>& scans, const PoseGraph& graph,
+                         const std::vector<PosePair>& pairs) {
+  const std::map<KeyframeId, SE2> truth = TruePoses(scans, pairs);
+  std::map<SubmapId, std::vector<Member>> members;
   for (const Submap& submap : submaps) {
-    const auto anchor = poses.find(submap.keyframes.front());
-    if (anchor != poses.end()) submap_poses[submap.id] = anchor->second;
+    for (const KeyframeId id : submap.keyframes) {
+      const auto found = truth.find(id);
+      if (found == truth.end()) continue;
+      members[submap.id].push_back({graph.Pose(submap.id).Inverse() * graph.Pose(id), found->second});
+    }
   }
   LoopErrors errors;
   double sum = 0.0;
   for (const LoopCandidate& loop : loops) {
-    const auto submap = submap_poses.find(loop.submap);
-    const auto keyframe = poses.find(loop.keyframe);
-    if (submap == submap_poses.end() || keyframe == poses.end()) continue;
+    const auto submap = members.find(loop.submap);
+    const auto keyframe = truth.find(loop.keyframe);
+    if (submap == members.end() || keyframe == truth.end()) continue;
     ++errors.num_tried;
     if (!loop.accepted) continue;
     ++errors.num_accepted;
-    const SE2 error = (submap->second.Inverse() * keyframe->second).Inverse() * loop.match.pose;
+    const auto distance = [&loop](const Member& member) {
+      return (member.T_submap_base.translation() - loop.match.pose.translation()).squaredNorm();
+    };
+    const Member& nearest =
+        *std::min_element(submap->second.begin(), submap->second.end(),
+                          [&](const Member& a, const Member& b) { return distance(a) < distance(b); });
+    const SE2 expected = nearest.T_reference_base.Inverse() * keyframe->second;
+    const SE2 error = expected.Inverse() * (nearest.T_submap_base.Inverse() * loop.match.pose);
     const double translation = error.translation().norm();
     const bool is_false =
         translation > LoopErrors::kMaxTranslation || std::abs(NormalizeAngle(error.theta())) > LoopErrors::kMaxRotation;

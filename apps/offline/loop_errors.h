@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "backend/graph/pose_graph.h"
 #include "backend/loop/loop_closer.h"
 #include "backend/posed_scan.h"
 #include "core/evaluation/association.h"
@@ -11,7 +12,7 @@
 
 namespace arborslam {
 
-/// How right a run's loops are. Only those count whose keyframe, and that of whose submap's frame, the reference knows.
+/// How right a run's loops are. Only those count whose keyframe, and one of whose submap's, the reference knows.
 struct LoopErrors {
   size_t num_tried = 0;
   size_t num_accepted = 0;
@@ -29,10 +30,14 @@ struct LoopErrors {
   double Recall() const;
 };
 
-/// Compares the poses at which keyframes were found in submaps with those of the reference.
+/// Compares where keyframes were found in submaps with the reference: as seen from that keyframe of the submap which
+/// lies nearest to the place. (From the submap's first keyframe, a small error in its heading would count more the
+/// farther off the place is.)
+/// @param graph of the run's end: where the submaps' keyframes lie in them.
 /// @param pairs with headings; poses of `scans` and their true ones.
 LoopErrors EvaluateLoops(const std::vector<LoopCandidate>& loops, const std::vector<Submap>& submaps,
-                         const std::vector<PosedScan>& scans, const std::vector<PosePair>& pairs);
+                         const std::vector<PosedScan>& scans, const PoseGraph& graph,
+                         const std::vector<PosePair>& pairs);
 
 }  // namespace arborslam
 

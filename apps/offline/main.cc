@@ -269,7 +269,8 @@ std::string EvaluateRun(const Slam& slam, const Trajectory3& trajectory, const T
     errors.odometry = evaluate(odometry_pairs);
     errors.unmatched_poses = odometry_pairs.unmatched_estimate;
     if (trajectory_pairs.has_headings) {
-      errors.loops = EvaluateLoops(record->finish.loops, slam.submaps(), slam.scans(), trajectory_pairs.pairs);
+      errors.loops =
+          EvaluateLoops(record->finish.loops, slam.submaps(), slam.scans(), slam.graph(), trajectory_pairs.pairs);
     }
     record->errors = std::move(errors);
     return "";

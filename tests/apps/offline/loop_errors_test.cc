@@ -16,7 +16,9 @@ class LoopErrorsTest : public testing::Test {
  protected:
   LoopErrorsTest() {
     submaps_.push_back({SubmapId{0}, {KeyframeId{0}, KeyframeId{1}}, {}});
+    graph_.AddNode(SubmapId{0}, TruePose(0));
     for (int i = 0; i < 7; ++i) {
+      graph_.AddNode(KeyframeId{i}, TruePose(i));
       PosedScan scan;
       scan.stamp = 10.0 + i;
       scan.keyframe = KeyframeId{i};
@@ -51,13 +53,14 @@ class LoopErrorsTest : public testing::Test {
 
   std::vector<Submap> submaps_;
   std::vector<PosedScan> scans_;
+  PoseGraph graph_;
   std::vector<PosePair> pairs_;
 };
 
 TEST_F(LoopErrorsTest, TellsTrueFromFalse) {
   const LoopErrors errors = EvaluateLoops({Loop(5, SE2(0.03, 0.04, 0.01), true), Loop(6, SE2(0.0, 1.2, 0.0), true),
                                            Loop(6, SE2(0.0, 0.0, 0.2), true), Loop(5, SE2(0.0, 0.0, 0.0), false)},
-                                          submaps_, scans_, pairs_);
+                                          submaps_, scans_, graph_, pairs_);
   EXPECT_EQ(errors.num_tried, 4u);
   EXPECT_EQ(errors.num_accepted, 3u);
   EXPECT_EQ(errors.num_false, 2u);
@@ -67,21 +70,35 @@ TEST_F(LoopErrorsTest, TellsTrueFromFalse) {
   EXPECT_NEAR(errors.Recall(), 1.0 / 4.0, 1e-12);
 }
 
+// A heading that is off at the submap's begin turns its frame, and with it every place far off.
+TEST_F(LoopErrorsTest, ComparesFromTheNearestKeyframe) {
+  PoseGraph turned;
+  const SE2 error(0.0, 0.0, 0.2);
+  turned.AddNode(SubmapId{0}, TruePose(0) * error);
+  turned.AddNode(KeyframeId{0}, TruePose(0) * error);
+  turned.AddNode(KeyframeId{1}, TruePose(1));
+  LoopCandidate loop = Loop(5, SE2(), true);
+  loop.match.pose = error.Inverse() * loop.match.pose;
+  const LoopErrors errors = EvaluateLoops({loop}, submaps_, scans_, turned, pairs_);
+  EXPECT_EQ(errors.num_false, 0u);
+  EXPECT_NEAR(errors.translation_max, 0.0, 1e-9);
+}
+
 TEST_F(LoopErrorsTest, LeavesOutWhatTheReferenceDoesNotKnow) {
   std::vector<PosePair> without_six;
   for (const PosePair& pair : pairs_) {
     if (pair.estimate.stamp != 16.0) without_six.push_back(pair);
   }
   const std::vector<LoopCandidate> loops = {Loop(5, SE2(), true), Loop(6, SE2(9.0, 0.0, 0.0), true)};
-  EXPECT_EQ(EvaluateLoops(loops, submaps_, scans_, without_six).num_tried, 1u);
-  EXPECT_EQ(EvaluateLoops(loops, submaps_, scans_, without_six).num_false, 0u);
-  // Nor a submap whose frame is not known.
-  const std::vector<PosePair> late(pairs_.begin() + 2, pairs_.end());
-  EXPECT_EQ(EvaluateLoops(loops, submaps_, scans_, late).num_tried, 0u);
+  EXPECT_EQ(EvaluateLoops(loops, submaps_, scans_, graph_, without_six).num_tried, 1u);
+  EXPECT_EQ(EvaluateLoops(loops, submaps_, scans_, graph_, without_six).num_false, 0u);
+  // Nor a submap none of whose keyframes is known.
+  const std::vector<PosePair> late(pairs_.begin() + 4, pairs_.end());
+  EXPECT_EQ(EvaluateLoops(loops, submaps_, scans_, graph_, late).num_tried, 0u);
 }
 
 TEST_F(LoopErrorsTest, FindsNothingWrongWithNoLoops) {
-  const LoopErrors errors = EvaluateLoops({}, submaps_, scans_, pairs_);
+  const LoopErrors errors = EvaluateLoops({}, submaps_, scans_, graph_, pairs_);
   EXPECT_EQ(errors.num_tried, 0u);
   EXPECT_EQ(errors.Precision(), 1.0);
   EXPECT_EQ(errors.Recall(), 1.0);
