@@ -54,10 +54,11 @@ LoopErrors EvaluateLoops(const std::vector<LoopCandidate>& loops, const std::vec
   const std::map<KeyframeId, SE2> truth = TruePoses(scans, pairs);
   std::map<SubmapId, std::vector<Member>> members;
   for (const Submap& submap : submaps) {
+    const SE2 T_submap_map = graph.Pose(submap.id).Inverse();
     for (const KeyframeId id : submap.keyframes) {
       const auto found = truth.find(id);
       if (found == truth.end()) continue;
-      members[submap.id].push_back({graph.Pose(submap.id).Inverse() * graph.Pose(id), found->second});
+      members[submap.id].push_back({T_submap_map * graph.Pose(id), found->second});
     }
   }
   LoopErrors errors;

@@ -37,6 +37,12 @@ Json Optimization(const PoseGraphSummary& summary) {
           {"loops_dropped", summary.dropped_loops.size()}};
 }
 
+Json Optimizations(const std::vector<PoseGraphSummary>& summaries) {
+  Json optimizations = Json::array();
+  for (const PoseGraphSummary& summary : summaries) optimizations.push_back(Optimization(summary));
+  return optimizations;
+}
+
 Json Merge(const JoinRecord& join) {
   const PlaceVotes& votes = join.votes;
   const bool is_placed = votes.reason.empty();
@@ -54,9 +60,7 @@ Json Merge(const JoinRecord& join) {
   merge["pose"] = {{"x_m", votes.T_a_b.x()}, {"y_m", votes.T_a_b.y()}, {"theta_rad", votes.T_a_b.theta()}};
   merge["loops_across"] = {{"tried", solution.num_cross_tried}, {"accepted", solution.num_cross_accepted}};
   merge["optimization"] = Optimization(solution.loop_optimization);
-  Json passes = Json::array();
-  for (const PoseGraphSummary& pass : solution.refinements) passes.push_back(Optimization(pass));
-  merge["refinement_passes"] = passes;
+  merge["refinement_passes"] = Optimizations(solution.refinements);
   merge["solution_ms"] = solution.loop_ms + solution.optimize_ms + solution.refine_ms;
   return merge;
 }
@@ -119,9 +123,7 @@ std::string SummaryJson(const RunRecord& record) {
                       {"accepted", counts.loops_accepted},
                       {"refused", refused},
                       {"optimization", Optimization(record.finish.loop_optimization)}};
-  Json passes = Json::array();
-  for (const PoseGraphSummary& pass : record.finish.refinements) passes.push_back(Optimization(pass));
-  summary["loops"]["refinement_passes"] = passes;
+  summary["loops"]["refinement_passes"] = Optimizations(record.finish.refinements);
   summary["loops"]["candidates"] = candidates;
 
   if (record.join) summary["merge"] = Merge(*record.join);

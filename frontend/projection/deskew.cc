@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "core/geometry/cpu_clones.h"
+#include "core/cpu_clones.h"
 
 namespace arborslam {
 

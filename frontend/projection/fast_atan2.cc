@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/geometry/cpu_clones.h"
+#include "core/cpu_clones.h"
 
 namespace arborslam {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "core/geometry/cpu_clones.h"
+#include "core/cpu_clones.h"
 
 namespace arborslam {
 namespace {

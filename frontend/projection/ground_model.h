@@ -46,7 +46,7 @@ class GroundModel {
 
   // Index of a node, from 0 on along either edge.
   static size_t NodeAt(int column, int row) { return static_cast<size_t>((row + 1) * kStride + column + 1); }
-  // The surface, node by node until it is steady.
+  // The surface through what `Build` made of the returns, row by row until it is steady.
   void Smooth();
 
   // Where a coordinate lies between the nodes [nodes], held within the grid.
@@ -65,8 +65,9 @@ class GroundModel {
   std::vector<float> shares_alone_;
   std::vector<float> ranges_;  // [m], from the lidar.
   std::vector<float> num_neighbours_;
-  std::vector<std::vector<float>> returns_;           // Heights [m] of the lowest returns around each node.
-  std::array<std::vector<Eigen::Vector4f>, 2> sums_;  // Of the ground returns of each sample cell, and their number.
+  std::vector<std::vector<float>> returns_;  // Heights [m] of the lowest returns around each node.
+  // Of the ground returns of each sample cell, and their number: half of the returns each.
+  std::array<std::vector<Eigen::Vector4f>, 2> sums_;
   std::vector<GroundSample> samples_;
 };
 

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <limits>
 
-#include "core/geometry/cpu_clones.h"
+#include "core/cpu_clones.h"
 
 namespace arborslam {
 

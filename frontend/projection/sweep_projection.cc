@@ -9,8 +9,8 @@
 #include <limits>
 
 #include "core/config/validation.h"
+#include "core/cpu_clones.h"
 #include "core/geometry/angles.h"
-#include "core/geometry/cpu_clones.h"
 #include "frontend/projection/fast_atan2.h"
 
 namespace arborslam {
@@ -26,7 +26,7 @@ constexpr float kLowObject = 0.4f;       // [m], the lowest thing that is mapped
 constexpr float kLowObjectShare = 0.5f;  // and, as a share of its height, by one far above it.
 constexpr float kBlindRange = 3.0f;      // [m], from here on at the latest must the ground be in sight.
 constexpr float kFreeMargin = 0.15f;     // [m], before something solid.
-constexpr int kLanes = 8;
+constexpr int kLanes = 8;                // Returns that are compared at once.
 using Lanes = float __attribute__((vector_size(sizeof(float) * kLanes)));
 using IntLanes = int __attribute__((vector_size(sizeof(int) * kLanes)));
 constexpr IntLanes kLaneIndices = {0, 1, 2, 3, 4, 5, 6, 7};
@@ -226,7 +226,8 @@ void SweepProjection::MakeClusters() {
   for (size_t b = 1; b < bin_ends_.size(); ++b) bin_ends_[b] += bin_ends_[b - 1];
   sorted_.resize(kept_.size());
   for (const Return& r : kept_) sorted_[bin_ends_[r.bin]++] = r;
-  ranges_.resize(sorted_.size() + kLanes, std::numeric_limits<float>::infinity());
+  // What lies beyond the end is read along with the last ones, and not counted.
+  ranges_.resize(sorted_.size() + kLanes);
   const auto depth = static_cast<float>(options_.column_depth);
   clusters_.clear();
   for (uint32_t begin = 0; begin < sorted_.size();) {

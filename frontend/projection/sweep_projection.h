@@ -146,7 +146,7 @@ class SweepProjection {
   std::vector<uint32_t> low_of_column_;  // For each column, the head of its list in low_.
   std::vector<LowRun> low_runs_;
   std::vector<Return> sorted_;  // By bin, then by range.
-  std::vector<float> ranges_;   // [m], of sorted_.
+  std::vector<float> ranges_;   // [m], of sorted_; and some more.
   std::vector<uint32_t> bin_ends_;
   std::vector<Eigen::Vector2f> directions_;  // Unit vectors, of the sectors' middles.
   std::vector<uint64_t> seen_;               // For each sector, the steps of range that were seen down to the ground.

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "core/geometry/cpu_clones.h"
+#include "core/cpu_clones.h"
 #include "frontend/projection/fast_atan2.h"
 
 namespace arborslam {

@@ -88,6 +88,7 @@ class Tracker {
  public:
   Tracker(const TrackerOptions& options, const OccupancyGridOptions& grid, double max_distance, const Matcher& matcher);
 
+  /// The points [m, base frame] of a scan, which depend on its pose.
   using PointsAt = std::function<const std::vector<Eigen::Vector2f>&(const SE2& T_odom_base)>;
 
   /// Matches `points` [m, base frame] to the active submaps: near `prediction` (T_odom_base) first and, if that finds
@@ -97,13 +98,13 @@ class Tracker {
   ///                       it is searched for in all of the wide translation, without preferring to stand.
   /// @param sigma          standard deviations [m, m, rad] of the prediction, see `MotionNoise`: the first search goes
   ///                       no farther than needed.
-  /// @param improve        what the scan's points [m, base frame] are if its pose, T_odom_base, is the given one; asked
-  ///                       once, with the match's pose, from where these points, which must stay until the end of the
-  ///                       call, are matched again. Null: the same.
   /// @param by_wheels      `prediction` is measured. Then the second search goes around it as well, and no farther than
   ///                       the near window's greatest size, growing as above: farther off, only another place would
   ///                       match. A scan most of which meets nothing known shows new ground, as behind a corner, and is
   ///                       put into the maps where it is predicted.
+  /// @param improve        what the scan's points [m, base frame] are if its pose, T_odom_base, is the given one; asked
+  ///                       once, with the match's pose, from where these points, which must stay until the end of the
+  ///                       call, are matched again. Null: the same.
   TrackingResult Track(const std::vector<Eigen::Vector2f>& points, const SE2& last_pose, const SE2& prediction,
                        bool knows_velocity = true, const Eigen::Vector3d& sigma = Eigen::Vector3d::Ones(),
                        bool by_wheels = false, const PointsAt& improve = nullptr);

@@ -1,5 +1,5 @@
-#ifndef ARBORSLAM_CORE_GEOMETRY_CPU_CLONES_H_
-#define ARBORSLAM_CORE_GEOMETRY_CPU_CLONES_H_
+#ifndef ARBORSLAM_CORE_CPU_CLONES_H_
+#define ARBORSLAM_CORE_CPU_CLONES_H_
 
 /// Before the definition of a function whose loops the compiler vectorises: it is compiled for x86 processors with AVX2
 /// too, and the program takes that version where the processor has it. The results are the same bits: wider registers
@@ -12,4 +12,4 @@
 #define ARBORSLAM_CPU_CLONES
 #endif
 
-#endif  // ARBORSLAM_CORE_GEOMETRY_CPU_CLONES_H_
+#endif  // ARBORSLAM_CORE_CPU_CLONES_H_
