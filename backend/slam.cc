@@ -98,7 +98,7 @@ ScanResult Slam::AddScan(const LaserScan& scan) {
   Stopwatch stopwatch;
   const PlanarScan planar = ProjectLaserScan(scan, options_.projection);
   result.project_ms = stopwatch.Lap();
-  AddPlanarScan(planar, planar.points, PredictScan(scan.stamp, scan.odometry), nullptr, nullptr, &result);
+  AddPlanarScan(planar, planar.points, PredictScan(scan.stamp, scan.odometry), nullptr, &result);
   if (result.status != ScanStatus::kSkipped) wheels_.Commit(scan.odometry, result.is_keyframe);
   return result;
 }
@@ -135,8 +135,9 @@ ScanResult Slam::AddScan(const LidarSweep& sweep) {
     reducer_.Redeskew(sweep, deskewing(VelocityBetween(WindowPose(scans_.back()), here)), &improved);
     return improved.to_match;
   };
-  const bool is_improved =
-      AddPlanarScan(reduced.planar, reduced.to_match, prediction, improve, &improved.planar, &result);
+  const Improvement improvement{improve, &improved.planar};
+  const bool is_improved = AddPlanarScan(reduced.planar, reduced.to_match, prediction,
+                                         reducer_.CanRedeskew(reduced) ? &improvement : nullptr, &result);
   if (is_improved) reduced = std::move(improved);
   if (result.status == ScanStatus::kSkipped) return result;
   stopwatch.Lap();
@@ -159,8 +160,7 @@ bool Slam::IsOutOfOrder(ScanResult* result) const {
 }
 
 bool Slam::AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vector2f>& to_match,
-                         const Prediction& prediction, const Tracker::PointsAt& improve, const PlanarScan* improved,
-                         ScanResult* result_out) {
+                         const Prediction& prediction, const Improvement* improvement, ScanResult* result_out) {
   ScanResult& result = *result_out;
   Stopwatch stopwatch;
   const bool is_first = keyframes_.empty();
@@ -169,8 +169,9 @@ bool Slam::AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vect
     return false;
   }
   const SE2 last_pose = is_first ? SE2() : WindowPose(scans_.back()).pose;
-  const TrackingResult tracked = tracker_.Track(to_match, last_pose, prediction.pose, prediction.knows_velocity,
-                                                prediction.sigma, prediction.since_scan.has_value(), improve);
+  const TrackingResult tracked =
+      tracker_.Track(to_match, last_pose, prediction.pose, prediction.knows_velocity, prediction.sigma,
+                     prediction.since_scan.has_value(), improvement != nullptr ? improvement->points : nullptr);
   result.match = tracked.match;
   result.searched_wide = tracked.searched_wide;
   result.status = is_first || IsUsable(tracked.match.verdict) ? ScanStatus::kMatched : ScanStatus::kPredicted;
@@ -192,7 +193,7 @@ bool Slam::AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vect
     scans_.push_back({result.stamp, last, window_.Pose(last).Inverse() * result.T_odom_base, {}, {}, {}, {}, {}});
     return tracked.is_improved;
   }
-  result.T_odom_base = Smooth(tracked.is_improved ? *improved : planar, prediction, tracked);
+  result.T_odom_base = Smooth(tracked.is_improved ? *improvement->scan : planar, prediction, tracked);
   result.is_inserted = keyframes_.back().is_inserted;
   result.window_ms = stopwatch.Lap();
   scans_.push_back({result.stamp, keyframes_.back().id, SE2(), {}, {}, {}, {}, {}});

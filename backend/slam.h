@@ -110,12 +110,15 @@ class Slam {
   };
   // By the wheels where there are any, else by the motion model.
   Prediction PredictScan(double stamp, const std::optional<SE2>& odometry) const;
-  // Tracks a scan from `prediction`: fills the rest of `result`.
-  // `to_match` [m, base frame]: those of its points by which it is matched. With `improve`, as `Tracker::Track` has it,
-  // `improved` is the scan that those points are of. Returns whether it was taken for the scan.
+  // A scan that depends on its pose, by which it can be matched again.
+  struct Improvement {
+    Tracker::PointsAt points;  // As `Tracker::Track` has it,
+    const PlanarScan* scan;    // and the scan that those points are of.
+  };
+  // Tracks a scan from `prediction`: fills the rest of `result`. `to_match` [m, base frame]: those of its points by
+  // which it is matched. Returns whether the improved scan was taken for it; `improvement` null: there is none.
   bool AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vector2f>& to_match,
-                     const Prediction& prediction, const Tracker::PointsAt& improve, const PlanarScan* improved,
-                     ScanResult* result);
+                     const Prediction& prediction, const Improvement* improvement, ScanResult* result);
   // The planar velocity between the last two scans.
   PlanarVelocity Velocity() const;
   // Learns from a sweep how long sweeps last.

@@ -128,7 +128,7 @@ float GroundModel::HeightAt(float x, float y) const {
 ARBORSLAM_CPU_CLONES void GroundModel::Measure(const std::vector<Eigen::Vector3f>& points,
                                                std::vector<float>* heights) {
   heights->resize(points.size());
-  for (auto& sums : sums_) sums.assign(kSampleCells * kSampleCells, Eigen::Vector4f::Zero());
+  for (auto& sums : sums_) sums.assign(kSampleCells * kSampleCells, Quadruple{});
   // In blocks: first what the compiler can vectorise.
   constexpr size_t kBlock = 64;
   std::array<float, kBlock> x;
@@ -182,13 +182,14 @@ ARBORSLAM_CPU_CLONES void GroundModel::Measure(const std::vector<Eigen::Vector3f
     for (size_t i = 0; i < size; ++i) {
       if (above_band[i] > 0.0f) continue;
       const Eigen::Vector3f& p = points[begin + i];
-      sums_[i % 2][static_cast<size_t>(cell_of[i])] += Eigen::Vector4f(p.x(), p.y(), p.z(), 1.0f);
+      Quadruple& sum = sums_[i % 2][static_cast<size_t>(cell_of[i])];
+      sum += Quadruple{p.x(), p.y(), p.z(), 1.0f};
     }
   }
   samples_.clear();
   for (size_t cell = 0; cell < sums_[0].size(); ++cell) {
-    const Eigen::Vector4f sum = sums_[0][cell] + sums_[1][cell];
-    if (sum.w() >= kMinSampleCount) samples_.push_back({sum.head<3>() / sum.w(), sum.w()});
+    const Quadruple sum = sums_[0][cell] + sums_[1][cell];
+    if (sum[3] >= kMinSampleCount) samples_.push_back({Eigen::Vector3f(sum[0], sum[1], sum[2]) / sum[3], sum[3]});
   }
 }
 

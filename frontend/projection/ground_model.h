@@ -42,6 +42,9 @@ class GroundModel {
   static constexpr int kNodes = 25;            // Along an edge.
   static constexpr int kSampleCells = 36;      // Along an edge, of 1 m.
 
+  // In one register: Eigen puts what is made of single numbers together in memory, which costs a stall.
+  using Quadruple = float __attribute__((vector_size(4 * sizeof(float))));
+
   static constexpr int kStride = kNodes + 2;  // Around the nodes lies a frame of zeros.
 
   // Index of a node, from 0 on along either edge.
@@ -67,7 +70,7 @@ class GroundModel {
   std::vector<float> num_neighbours_;
   std::vector<std::vector<float>> returns_;  // Heights [m] of the lowest returns around each node.
   // Of the ground returns of each sample cell, and their number: half of the returns each.
-  std::array<std::vector<Eigen::Vector4f>, 2> sums_;
+  std::array<std::vector<Quadruple>, 2> sums_;
   std::vector<GroundSample> samples_;
 };
 

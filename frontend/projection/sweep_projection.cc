@@ -112,7 +112,7 @@ PlanarScan SweepProjection::Project(const Input& input, const Eigen::Matrix3f& R
 ARBORSLAM_CPU_CLONES void SweepProjection::Select(const Input& input, const Eigen::Matrix3f& R_base_lidar) {
   const std::vector<Eigen::Vector3f>& points = *input.points;
   const std::vector<float>& heights = *input.heights;
-  const bool has_phases = input.phases != nullptr && !input.phases->empty();
+  const float* const phases = input.phases != nullptr && !input.phases->empty() ? input.phases->data() : nullptr;
   const auto min_range = static_cast<float>(options_.min_range);
   const auto max_range = static_cast<float>(options_.max_range);
   const auto max_bearing = static_cast<float>(options_.max_bearing);
@@ -144,7 +144,15 @@ ARBORSLAM_CPU_CLONES void SweepProjection::Select(const Input& input, const Eige
   std::array<int, kBlock> column_of;
   std::array<int, kBlock> low_from;
   std::array<int, kBlock> low_to;
+  std::array<int, kBlock> shows_free;  // 1: yes.
+  std::array<int, kBlock> is_low;
+  std::array<int, kBlock> is_object;
+  std::array<uint32_t, kBlock> found;
   const Eigen::Matrix3f r = R_base_lidar;
+  const auto num_columns = static_cast<uint32_t>(num_columns_);
+  const auto last_layer = static_cast<uint32_t>(num_layers - 1);
+  int last_sector = 0;
+  float first = first_[0];  // Of the last sector.
   for (size_t begin = 0; begin < points.size(); begin += kBlock) {
     const size_t size = std::min(kBlock, points.size() - begin);
     const float* const height = heights.data() + begin;
@@ -169,28 +177,59 @@ ARBORSLAM_CPU_CLONES void SweepProjection::Select(const Input& input, const Eige
     }
     for (size_t i = 0; i < size; ++i) {
       // Eq. 6: see MinHeightLikelihood.
-      if (!(height[i] <= most_height) || !(range[i] >= min_range) || std::abs(bearing[i]) > max_bearing) continue;
-      if (height[i] < low_object && low_from[i] < low_to[i]) {
-        const uint64_t up_to = low_to[i] == kRangeSteps ? ~uint64_t{0} : (uint64_t{1} << low_to[i]) - 1;
-        seen_[static_cast<size_t>(sector[i])] |= up_to & ~((uint64_t{1} << low_from[i]) - 1);
-      }
+      const int is_wanted = static_cast<int>(height[i] <= most_height) & static_cast<int>(range[i] >= min_range) &
+                            static_cast<int>(std::abs(bearing[i]) <= max_bearing);
       const float margin = ground_margin + ground_growth * range[i];
-      if (height[i] < std::min(margin, kLowMargin + kLowGrowth * range[i]) || range[i] > max_range) continue;
-      const auto column = static_cast<size_t>(column_of[i]);
-      const float phase = has_phases ? (*input.phases)[begin + i] : 0.0f;
-      if (height[i] < margin) {
-        low_.push_back({{x[i], y[i], range[i], phase, static_cast<uint32_t>(column)}, low_of_column_[column]});
+      const float low_margin = std::min(margin, kLowMargin + kLowGrowth * range[i]);
+      const int is_near = is_wanted & static_cast<int>(range[i] <= max_range);
+      shows_free[i] = is_wanted & static_cast<int>(height[i] < low_object) & static_cast<int>(low_from[i] < low_to[i]);
+      is_low[i] = static_cast<int>(height[i] < margin);
+      is_object[i] = is_near & static_cast<int>(height[i] >= low_margin);
+    }
+    // What is noted of which return cannot be foreseen: first they are counted, without branches.
+    const auto find = [&](const std::array<int, kBlock>& is_one) {
+      size_t num_found = 0;
+      for (size_t i = 0; i < size; ++i) {
+        found[num_found] = static_cast<uint32_t>(i);
+        num_found += static_cast<size_t>(is_one[i]);
+      }
+      return num_found;
+    };
+    size_t num_found = find(shows_free);
+    for (size_t k = 0; k < num_found; ++k) {
+      const uint32_t i = found[k];
+      const uint64_t up_to = low_to[i] == kRangeSteps ? ~uint64_t{0} : (uint64_t{1} << low_to[i]) - 1;
+      seen_[static_cast<size_t>(sector[i])] |= up_to & ~((uint64_t{1} << low_from[i]) - 1);
+    }
+    num_found = find(is_object);
+    for (size_t k = 0; k < num_found; ++k) {
+      const uint32_t i = found[k];
+      const auto column = static_cast<uint32_t>(column_of[i]);
+      const float phase = phases != nullptr ? phases[begin + i] : 0.0f;
+      if (is_low[i] != 0) {
+        low_.push_back({{x[i], y[i], range[i], phase, column}, low_of_column_[column]});
         low_of_column_[column] = static_cast<uint32_t>(low_.size() - 1);
         continue;
       }
-      float& first = first_[static_cast<size_t>(sector[i])];
+      if (sector[i] != last_sector) {
+        first_[static_cast<size_t>(last_sector)] = first;
+        last_sector = sector[i];
+        first = first_[static_cast<size_t>(last_sector)];
+      }
       first = std::min(first, range[i]);
-      const auto layer = std::min(num_layers - 1, static_cast<size_t>(std::max(0.0f, height[i]) / kLayerHeight));
-      const auto bin = static_cast<uint32_t>(layer * num_columns_ + column);
+      const auto layer = std::min(last_layer, static_cast<uint32_t>(std::max(0.0f, height[i]) / kLayerHeight));
+      const uint32_t bin = layer * num_columns + column;
       ++bin_ends_[bin + 1];
-      kept_.push_back({x[i], y[i], range[i], phase, bin});
+      // Number by number: a whole one would be put together in memory first, which costs a stall.
+      Return& kept = kept_.emplace_back();
+      kept.x = x[i];
+      kept.y = y[i];
+      kept.range = range[i];
+      kept.phase = phase;
+      kept.bin = bin;
     }
   }
+  first_[static_cast<size_t>(last_sector)] = first;
 }
 
 void SweepProjection::KeepLowThings(float column_width) {
@@ -229,9 +268,12 @@ void SweepProjection::MakeClusters() {
   // What lies beyond the end is read along with the last ones, and not counted.
   ranges_.resize(sorted_.size() + kLanes);
   const auto depth = static_cast<float>(options_.column_depth);
+  const auto num_columns = static_cast<uint32_t>(num_columns_);
+  uint32_t layer_begin = 0;  // Its first bin.
   clusters_.clear();
   for (uint32_t begin = 0; begin < sorted_.size();) {
     const uint32_t bin = sorted_[begin].bin;
+    while (bin >= layer_begin + num_columns) layer_begin += num_columns;
     const uint32_t end = bin_ends_[bin];
     // By insertion: a bin has a few returns.
     for (uint32_t i = begin + 1; i < end; ++i) {
@@ -241,7 +283,7 @@ void SweepProjection::MakeClusters() {
       sorted_[to] = moved;
     }
     while (begin < end) {
-      Cluster cluster{Eigen::Vector2f::Zero(), 0.0f, 0.0f, sorted_[begin].phase, 0.0f, bin};
+      Cluster cluster{Eigen::Vector2f::Zero(), 0.0f, 0.0f, sorted_[begin].phase, 0.0f, bin, bin - layer_begin};
       const float first_range = sorted_[begin].range;
       for (; begin < end && sorted_[begin].range <= first_range + depth; ++begin) {
         ranges_[begin] = sorted_[begin].range;
@@ -257,28 +299,28 @@ void SweepProjection::MakeClusters() {
 
 ARBORSLAM_CPU_CLONES float SweepProjection::Solidity(const Cluster& cluster, float column_width) const {
   const float tolerance = kRangeTolerance + column_width * cluster.range;
-  const auto column = static_cast<int>(cluster.bin % static_cast<uint32_t>(num_columns_));
   const int side = std::clamp(static_cast<int>(kHalfWidth / (cluster.range * column_width)), 1, kMostColumns);
-  const auto left = static_cast<size_t>(static_cast<int>(cluster.bin) - std::min(side, column));
-  const auto right =
-      static_cast<size_t>(static_cast<int>(cluster.bin) + std::min(side, static_cast<int>(num_columns_) - 1 - column));
+  const auto bin = static_cast<int>(cluster.bin);
+  const auto column = static_cast<int>(cluster.column);
+  const int left = bin - std::min(side, column);
+  const int right = bin + std::min(side, static_cast<int>(num_columns_) - 1 - column);
   // The bins of a layer follow one another: those to the left, the cluster's own, those to the right.
-  const auto begin_of = [this](size_t bin) { return bin == 0 ? 0u : bin_ends_[bin - 1]; };
-  const size_t ends[4] = {begin_of(left), begin_of(cluster.bin), bin_ends_[cluster.bin], bin_ends_[right]};
-  // Of eight returns at once, -1 for each that is near; those of each part are added up.
+  const auto begin_of = [this](int b) { return b == 0 ? 0 : static_cast<int>(bin_ends_[static_cast<size_t>(b - 1)]); };
+  const int ends[4] = {begin_of(left), begin_of(bin), begin_of(bin + 1), begin_of(right + 1)};
+  // Of kLanes returns at once, -1 for each that is near; those of each part are added up.
   const Lanes range = Lanes{} + cluster.range;
-  const IntLanes own_begin = IntLanes{} + static_cast<int>(ends[1]);
-  const IntLanes own_end = IntLanes{} + static_cast<int>(ends[2]);
-  const IntLanes end = IntLanes{} + static_cast<int>(ends[3]);
+  const IntLanes own_begin = IntLanes{} + ends[1];
+  const IntLanes own_end = IntLanes{} + ends[2];
+  const IntLanes end = IntLanes{} + ends[3];
   IntLanes before_own{};
   IntLanes before_right{};
   IntLanes before_end{};
-  for (size_t i = ends[0]; i < ends[3]; i += kLanes) {
+  for (int i = ends[0]; i < ends[3]; i += kLanes) {
     Lanes distance;
-    std::memcpy(&distance, &ranges_[i], sizeof(distance));
+    std::memcpy(&distance, &ranges_[static_cast<size_t>(i)], sizeof(distance));
     distance -= range;
     const IntLanes is_near = (distance <= tolerance) & (distance >= -tolerance);
-    const IntLanes index = kLaneIndices + static_cast<int>(i);
+    const IntLanes index = kLaneIndices + i;
     before_own -= is_near & (index < own_begin);
     before_right -= is_near & (index < own_end);
     before_end -= is_near & (index < end);
@@ -321,14 +363,14 @@ void SweepProjection::FindSolid(float column_width) {
   const float inverse_width = static_cast<float>(kSectors) / (2.0f * kPiF / column_width);
   for (Cluster& cluster : clusters_) {
     if (cluster.solidity <= 0.0f && least > 0.0f) continue;
-    cluster.bin %= static_cast<uint32_t>(num_columns_);
     const auto sector =
-        std::min(kSectors - 1, static_cast<size_t>((static_cast<float>(cluster.bin) + 0.5f) * inverse_width));
+        std::min(kSectors - 1, static_cast<size_t>((static_cast<float>(cluster.column) + 0.5f) * inverse_width));
     nearest_[sector] = std::min(nearest_[sector], cluster.range);
     if (cluster.solidity >= least) solid_.push_back(cluster);
   }
-  std::sort(solid_.begin(), solid_.end(),
-            [](const Cluster& a, const Cluster& b) { return a.bin != b.bin ? a.bin < b.bin : a.range < b.range; });
+  std::sort(solid_.begin(), solid_.end(), [](const Cluster& a, const Cluster& b) {
+    return a.column != b.column ? a.column < b.column : a.range < b.range;
+  });
 }
 
 void SweepProjection::KeepEdges(float column_width, float least) {
@@ -359,14 +401,14 @@ void SweepProjection::MakePoints() {
   points_.clear();
   open_.clear();
   for (size_t begin = 0; begin < solid_.size();) {
-    const uint32_t column = solid_[begin].bin;
+    const uint32_t column = solid_[begin].column;
     still_open_.clear();
-    while (begin < solid_.size() && solid_[begin].bin == column) {
+    while (begin < solid_.size() && solid_[begin].column == column) {
       Eigen::Vector2f sum = Eigen::Vector2f::Zero();
       float weight = 0.0f;
       const float last_range = solid_[begin].range + depth;
       const float phase = solid_[begin].phase;
-      for (; begin < solid_.size() && solid_[begin].bin == column && solid_[begin].range <= last_range; ++begin) {
+      for (; begin < solid_.size() && solid_[begin].column == column && solid_[begin].range <= last_range; ++begin) {
         sum += solid_[begin].sum;
         weight += solid_[begin].weight;
       }
@@ -396,10 +438,10 @@ void SweepProjection::AddFreeRays(PlanarScan* scan) const {
     if (std::isfinite(first_[s])) scan->first_returns.push_back(first_[s] * direction);
     const uint64_t seen = seen_[s];
     if (seen == 0) continue;
-    int step = 0;
-    while (((seen >> step) & 1) == 0) ++step;
-    if (static_cast<float>(step) * step_length > kBlindRange) continue;
-    while (step < kRangeSteps && ((seen >> step) & 1) != 0) ++step;
+    const int first_seen = __builtin_ctzll(seen);
+    if (static_cast<float>(first_seen) * step_length > kBlindRange) continue;
+    const uint64_t not_seen = ~(seen >> first_seen);
+    const int step = not_seen == 0 ? kRangeSteps : first_seen + __builtin_ctzll(not_seen);
     const float nearest =
         std::min({nearest_[(s + kSectors - 1) % kSectors], nearest_[s], nearest_[(s + 1) % kSectors]});
     const float range = std::min(static_cast<float>(step) * step_length, nearest - kFreeMargin);

@@ -110,6 +110,7 @@ class SweepProjection {
     float phase;   // Of one of them.
     float solidity;
     uint32_t bin;
+    uint32_t column;
   };
   // Clusters of neighbouring columns that are one planar point.
   struct Point {

@@ -1,5 +1,7 @@
 #include "frontend/tracking/sweep_reducer.h"
 
+#include <glog/logging.h>
+
 #include <cstddef>
 #include <utility>
 
@@ -69,8 +71,12 @@ ReducedSweep SweepReducer::Reduce(const LidarSweep& sweep, const SE2& prediction
   return reduced;
 }
 
+bool SweepReducer::CanRedeskew(const ReducedSweep& reduced) const {
+  return options_.deskew && !reduced.with_moving.phases.empty();
+}
+
 void SweepReducer::Redeskew(const LidarSweep& sweep, const PlanarVelocity& velocity, ReducedSweep* reduced) const {
-  if (!options_.deskew || reduced->with_moving.phases.empty()) return;
+  CHECK(CanRedeskew(*reduced));
   const PlanarVelocity change{velocity.linear - reduced->deskewing.linear,
                               velocity.angular - reduced->deskewing.angular};
   AddMotion(change, sweep.duration, &reduced->planar);

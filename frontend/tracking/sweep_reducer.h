@@ -56,9 +56,11 @@ class SweepReducer {
   /// @param prediction T_odom_base of the sweep's middle.
   ReducedSweep Reduce(const LidarSweep& sweep, const SE2& prediction, const PlanarVelocity& velocity);
 
+  /// False where deskewing is left out, or when the moments of the points are not known.
+  bool CanRedeskew(const ReducedSweep& reduced) const;
+
   /// Deskews the planar points again, with a velocity that is known better by now: `reduced` becomes, to first order of
-  /// the velocities' difference, what `Reduce` would have made of `sweep` with it. Does nothing where deskewing is left
-  /// out, or when the moments of the points are not known.
+  /// the velocities' difference, what `Reduce` would have made of `sweep` with it. Only if `CanRedeskew`.
   void Redeskew(const LidarSweep& sweep, const PlanarVelocity& velocity, ReducedSweep* reduced) const;
 
   /// Remembers a sweep whose pose is known by now.

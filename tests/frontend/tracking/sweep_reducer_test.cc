@@ -53,36 +53,32 @@ TEST(SweepReducerTest, DeskewingAgainIsDeskewingWithTheRightVelocity) {
   EXPECT_EQ(reduced.deskewing.angular, kVelocity.angular);
 }
 
-TEST(SweepReducerTest, DeskewsNothingAgainThatItWasNotAskedTo) {
+TEST(SweepReducerTest, CannotDeskewAgainWithoutDeskewing) {
   ReductionOptions options;
-  options.deskew = false;
-  SweepReducer reducer = MakeReducer(options);
   const LidarSweep sweep = SweepAmongTrunks();
-  const ReducedSweep before = reducer.Reduce(sweep, SE2(), kVelocity);
-  ReducedSweep after = before;
-  reducer.Redeskew(sweep, kVelocity, &after);
-  EXPECT_EQ(after.planar.points, before.planar.points);
-  EXPECT_EQ(after.to_match, before.to_match);
+  SweepReducer reducer = MakeReducer(options);
+  EXPECT_TRUE(reducer.CanRedeskew(reducer.Reduce(sweep, SE2(), kVelocity)));
+  options.deskew = false;
+  reducer = MakeReducer(options);
+  EXPECT_FALSE(reducer.CanRedeskew(reducer.Reduce(sweep, SE2(), kVelocity)));
 }
 
 // Without an order in which points came, nobody knows when.
-TEST(SweepReducerTest, LeavesSweepsOfUnknownTiming) {
+TEST(SweepReducerTest, CannotDeskewAgainWithoutTiming) {
   LidarSweep sweep = SweepAmongTrunks();
   sweep.duration = 0.0;
   SweepReducer reducer = MakeReducer(ReductionOptions());
-  const ReducedSweep before = reducer.Reduce(sweep, SE2(), PlanarVelocity());
-  ASSERT_TRUE(before.planar.phases.empty());
-  ReducedSweep after = before;
-  reducer.Redeskew(sweep, kVelocity, &after);
-  EXPECT_EQ(after.planar.points, before.planar.points);
+  const ReducedSweep reduced = reducer.Reduce(sweep, SE2(), PlanarVelocity());
+  ASSERT_TRUE(reduced.planar.phases.empty());
+  EXPECT_FALSE(reducer.CanRedeskew(reduced));
 }
 
 TEST(SweepReducerTest, TakesAnEmptySweep) {
   LidarSweep sweep;
   sweep.duration = 0.1;
   SweepReducer reducer = MakeReducer(ReductionOptions());
-  ReducedSweep reduced = reducer.Reduce(sweep, SE2(), PlanarVelocity());
-  reducer.Redeskew(sweep, kVelocity, &reduced);
+  const ReducedSweep reduced = reducer.Reduce(sweep, SE2(), PlanarVelocity());
+  EXPECT_FALSE(reducer.CanRedeskew(reduced));
   EXPECT_TRUE(reduced.planar.points.empty());
   EXPECT_TRUE(reduced.to_match.empty());
 }
