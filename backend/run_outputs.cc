@@ -40,7 +40,7 @@ OccupancyGrid MapOf(const PoseGraph& graph, const std::vector<Keyframe>& keyfram
                     const OccupancyGridOptions& options) {
   OccupancyGrid map(options);
   for (const Keyframe& keyframe : keyframes) {
-    if (keyframe.is_inserted) map.Insert(graph.Pose(keyframe.id), keyframe.scan);
+    if (keyframe.is_inserted) map.Insert(graph.Pose(keyframe.id), *keyframe.scan.Get());
   }
   return map;
 }

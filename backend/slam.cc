@@ -30,9 +30,10 @@ SE2 Fuse(const SE2& prediction, const Eigen::Vector3d& sigma, const MatchResult&
 
 }  // namespace
 
-Slam::Slam(const SlamOptions& options, int num_threads)
+Slam::Slam(const SlamOptions& options, int num_threads, std::shared_ptr<ValueStore> store)
     : options_(options),
       num_threads_(num_threads),
+      store_(std::move(store)),
       matcher_(options.matcher, options.mhd, options.refinement),
       reducer_(options.reduction, options.sweep, options.dynamic, options.compact, options.terrain.cell_size),
       motion_noise_(options.motion),
@@ -41,8 +42,9 @@ Slam::Slam(const SlamOptions& options, int num_threads)
   CHECK_GE(num_threads, 1);
 }
 
-Slam::Slam(const SlamOptions& options, int num_threads, SessionContents contents, const std::string& place)
-    : Slam(options, num_threads) {
+Slam::Slam(const SlamOptions& options, int num_threads, SessionContents contents, const std::string& place,
+           std::shared_ptr<ValueStore> store)
+    : Slam(options, num_threads, std::move(store)) {
   graph_ = std::move(contents.graph);
   keyframes_ = std::move(contents.keyframes);
   submaps_ = std::move(contents.submaps);
@@ -64,16 +66,16 @@ Slam::Slam(const SlamOptions& options, int num_threads, SessionContents contents
   for (size_t i = scans_.size() - std::min<size_t>(2, scans_.size()); i < scans_.size(); ++i) {
     state.Check(window_.Has(scans_[i].keyframe), "the last scans are not in the window");
   }
-  const bool has_scans = tracker_.RestoreMaps([this](KeyframeId id) -> const PlanarScan* {
+  const bool has_scans = tracker_.RestoreMaps([this](KeyframeId id) {
     const bool exists = id.value >= 0 && static_cast<size_t>(id.value) < keyframes_.size();
-    return exists ? &keyframes_[static_cast<size_t>(id.value)].scan : nullptr;
+    return exists ? keyframes_[static_cast<size_t>(id.value)].scan.Get() : nullptr;
   });
   state.Check(has_scans, "a submap that grows has a keyframe that does not exist");
   auto scan = scans_.begin();
   for (const SessionContents::ReadScan& read : contents.read) {
     if (read.result.status == ScanStatus::kSkipped) continue;
     state.Check(scan != scans_.end(), "a scan has no pose");
-    if (read.result.has_ground) reducer_.AddTerrain(scan->ground, read.result.T_odom_base, scan->tilt);
+    if (read.result.has_ground) reducer_.AddTerrain(*scan->ground.Get(), read.result.T_odom_base, scan->tilt);
     ++scan;
   }
 }
@@ -147,8 +149,8 @@ ScanResult Slam::AddScan(const LidarSweep& sweep) {
   scan.tilt = reduced.tilt;
   scan.local_tilt = reduced.local_tilt;
   scan.odometry_tilt = reduced.tilt;
-  if (result.is_keyframe) scan.lines = reducer_.LinesOfLast(reduced);
-  scan.ground = std::move(reduced.ground);
+  if (result.is_keyframe) scan.lines = {reducer_.LinesOfLast(reduced), store_};
+  scan.ground = {std::move(reduced.ground), store_};
   result.insert_ms += stopwatch.Lap();
   return result;
 }
@@ -185,7 +187,7 @@ bool Slam::AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vect
   result.match_ms = stopwatch.Lap();
 
   result.is_keyframe =
-      is_first || tracker_.IsKeyframe({keyframes_.back().scan.stamp, graph_.Pose(keyframes_.back().id)},
+      is_first || tracker_.IsKeyframe({keyframes_.back().scan.Get()->stamp, graph_.Pose(keyframes_.back().id)},
                                       {result.stamp, tracked.match.pose});
   if (!result.is_keyframe) {
     const KeyframeId last = keyframes_.back().id;
@@ -268,13 +270,13 @@ SE2 Slam::Smooth(const PlanarScan& scan, const Prediction& prediction, const Tra
   for (const TrackingResult::Measurement& measurement : tracked.measurements) {
     add({measurement.submap, id, measurement.T_submap_base, measurement.information, Constraint::Kind::kSubmap});
   }
-  keyframes_.push_back({id, scan, is_first || tracked.insert});
-  // Only finding what moves needs these, on the sweeps to come; over a run they would be half of the memory.
-  PlanarScan& kept = keyframes_.back().scan;
-  kept.weights = {};
-  kept.phases = {};
-  kept.first_returns = {};
-  kept.points.shrink_to_fit();
+  // Only finding what moves needs the rest, on the sweeps to come; over a run it would be half of the memory.
+  PlanarScan kept;
+  kept.stamp = scan.stamp;
+  kept.points = scan.points;
+  kept.free_ends = scan.free_ends;
+  kept.point_rays_are_free = scan.point_rays_are_free;
+  keyframes_.push_back({id, {std::move(kept), store_}, is_first || tracked.insert});
 
   window_.Solve();
   for (const auto& [node, pose] : window_.poses()) graph_.SetPose(node, pose);
@@ -286,8 +288,9 @@ void Slam::InsertIntoSubmaps() {
   const Keyframe& keyframe = keyframes_.back();
   const double max_length =
       options_.odometry.enabled && wheels_.has_odometry() ? options_.odometry.submap_length : kUnbounded;
-  std::optional<Submap> finished = tracker_.Insert(keyframe.id, keyframe.scan, window_.Pose(keyframe.id), max_length);
-  if (finished) submaps_.push_back(std::move(*finished));
+  std::optional<Submap> finished =
+      tracker_.Insert(keyframe.id, *keyframe.scan.Get(), window_.Pose(keyframe.id), max_length);
+  if (finished) AddSubmap(std::move(*finished));
   for (const SubmapId submap : tracker_.ActiveSubmaps()) {
     if (window_.Has(submap)) continue;
     const Constraint anchor{submap, keyframe.id, SE2(), kAnchorInformation * Eigen::Matrix3d::Identity(),
@@ -297,6 +300,11 @@ void Slam::InsertIntoSubmaps() {
     graph_.AddNode(submap, tracker_.SubmapPose(submap));
     graph_.AddConstraint(anchor);
   }
+}
+
+void Slam::AddSubmap(Submap submap) {
+  submap.cells = submap.cells.MovedTo(store_);
+  submaps_.push_back(std::move(submap));
 }
 
 void Slam::TrimWindow() {
@@ -315,7 +323,7 @@ void Slam::TrimWindow() {
 FinishResult Slam::Finish(bool odometry_only) {
   FinishResult result;
   result.sweep_duration = FinishDuration();
-  for (Submap& submap : tracker_.FinishAll()) submaps_.push_back(std::move(submap));
+  for (Submap& submap : tracker_.FinishAll()) AddSubmap(std::move(submap));
   Stopwatch stopwatch;
   if (odometry_only || keyframes_.empty()) {
     SmoothTilts(options_.terrain, graph_, &scans_);
@@ -354,7 +362,7 @@ std::optional<SweepDurationResult> Slam::FinishDuration() {
   result.seconds = found.value_or(duration_guess_->seconds);
   result.stamp_shift = (0.5 - duration_guess_->stamp_phase) * (result.seconds - duration_guess_->seconds);
   for (PosedScan& scan : scans_) scan.stamp += result.stamp_shift;
-  for (Keyframe& keyframe : keyframes_) keyframe.scan.stamp += result.stamp_shift;
+  ShiftStamps(result.stamp_shift, &keyframes_);
   return result;
 }
 

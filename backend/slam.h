@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "backend/slam_options.h"
 #include "backend/store/session_contents.h"
 #include "backend/window/sliding_window.h"
+#include "core/io/value_store.h"
 #include "core/map/occupancy_grid.h"
 #include "core/map/submap.h"
 #include "core/sensor/laser_scan.h"
@@ -54,11 +56,13 @@ class Slam {
  public:
   /// @param options     valid ones, see the sections' `Validate`.
   /// @param num_threads for `Finish`, at least 1.
-  Slam(const SlamOptions& options, int num_threads);
+  /// @param store       takes care of scans and submaps; null: they are kept in memory. The results are the same.
+  Slam(const SlamOptions& options, int num_threads, std::shared_ptr<ValueStore> store = nullptr);
   /// Goes on with a run where `contents`, of an unfinished session, ends: scans that follow, and the end of the run,
   /// give the same bits as if it had never been interrupted. `options` must be the session's. Throws `UserError`,
   /// naming `place`, when the parts of `contents` do not go together.
-  Slam(const SlamOptions& options, int num_threads, SessionContents contents, const std::string& place);
+  Slam(const SlamOptions& options, int num_threads, SessionContents contents, const std::string& place,
+       std::shared_ptr<ValueStore> store = nullptr);
 
   /// Takes the next scan. A scan that is not later than the one before is skipped, and so are scans with too few points
   /// before the first map is begun.
@@ -136,11 +140,14 @@ class Slam {
   SE2 Smooth(const PlanarScan& scan, const Prediction& prediction, const TrackingResult& tracked);
   // Puts the latest keyframe's scan into the active submaps, and new submaps into window and graph.
   void InsertIntoSubmaps();
+  // Takes a submap that is finished.
+  void AddSubmap(Submap submap);
   // Marginalises what is too old for the window.
   void TrimWindow();
 
   SlamOptions options_;
   int num_threads_;
+  std::shared_ptr<ValueStore> store_;
   Matcher matcher_;
   SweepReducer reducer_;
   MotionNoise motion_noise_;

@@ -203,7 +203,6 @@ Trajectory3 LocatedTrajectory(const std::vector<LocalizationResult>& results) {
 int Run(const MultiFlags& multi_flags) {
   CheckFlags();
   const std::optional<SE2> initial_pose = InitialPose();
-  SessionContents session = ReadSession(FLAGS_session);
   OfflineOptions options;
   PlaceOptions place;
   LocalizerOptions localization;
@@ -211,11 +210,13 @@ int Run(const MultiFlags& multi_flags) {
   options.VisitSections([&schema](const std::string& name, auto& section) { schema.AddSection(name, &section); });
   schema.AddSection("place", &place);
   schema.AddSection("localization", &localization);
-  schema.LoadYaml(session.config, FLAGS_session + ", options");
-  session = Completed(std::move(session), options.slam, FLAGS_session);
+  schema.LoadYaml(ReadSessionSummary(FLAGS_session).config, FLAGS_session + ", options");
+  const SlamOptions session_options = options.slam;
   if (!FLAGS_config.empty()) schema.LoadYamlFile(FLAGS_config);
   for (const std::string& assignment : multi_flags.at("set")) schema.ApplyOverride(assignment);
   schema.ValidateAll();
+  const std::shared_ptr<ValueStore> store = MakeStore(options.memory);
+  const SessionContents session = Completed(ReadSession(FLAGS_session, store), session_options, FLAGS_session);
   if (session.submaps.empty()) {
     throw UserError(FLAGS_session, "holds no map", "give the session of a run that has scans");
   }
@@ -230,7 +231,7 @@ int Run(const MultiFlags& multi_flags) {
 
   const bool map_is_spatial = IsSpatial(session);
   Localizer localizer(options.slam, place, localization, session.graph, session.keyframes, session.submaps,
-                      initial_pose);
+                      initial_pose, store);
   const std::vector<LocalizationResult> results = Localize(source.get(), map_is_spatial, &localizer);
   if (results.empty()) throw UserError(FLAGS_input, "holds no scans", "nothing was written");
   Figures figures = FiguresOf(results);

@@ -39,14 +39,15 @@ bool IsSameScan(const Scan& scan, const SessionContents::ReadScan& read) {
   return StampOf(scan) == read.result.stamp && (!is_known || FingerprintOf(scan) == read.fingerprint);
 }
 
-KnownSession ReadKnownSession(const std::string& path, const std::string& input, const std::optional<Scan>& first) {
+KnownSession ReadKnownSession(const std::string& path, const std::string& input, const std::optional<Scan>& first,
+                              const std::shared_ptr<ValueStore>& store) {
   KnownSession known;
   if (ReadSessionSummary(path).recordings.size() == 1) {
-    known.tracked = ReadTracked(path);
+    known.tracked = ReadTracked(path, store);
     if (!first || known.tracked.read.empty() || IsSameScan(*first, known.tracked.read.front())) return known;
     known.tracked = SessionContents();
   }
-  SessionContents map = LoadSession(path).contents;
+  SessionContents map = LoadSession(path, store).contents;
   if (map.keyframes.empty()) {
     throw UserError(path, "was made from another recording, and holds no keyframes yet", "leave --session out");
   }

@@ -1,6 +1,7 @@
 #ifndef ARBORSLAM_APPS_OFFLINE_KNOWN_SESSION_H_
 #define ARBORSLAM_APPS_OFFLINE_KNOWN_SESSION_H_
 
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -18,7 +19,9 @@ struct KnownSession {
 /// Reads the session at `path` for a run on the recording `input`, whose first scan is `first` (nothing if it holds
 /// none). That is the session's own recording if it begins with the session's first scan, and new otherwise. Throws
 /// `UserError`, also for a new recording that is of another kind of lidar or begins with a scan that the session holds.
-KnownSession ReadKnownSession(const std::string& path, const std::string& input, const std::optional<Scan>& first);
+/// @param store of the session's scans and submaps; null: they are kept in memory.
+KnownSession ReadKnownSession(const std::string& path, const std::string& input, const std::optional<Scan>& first,
+                              const std::shared_ptr<ValueStore>& store);
 
 /// [s], as the stamps of results have it: of a sweep its middle.
 double StampOf(const Scan& scan);

@@ -16,11 +16,11 @@ OfflineOptions SessionOptions(const std::string& config, const std::string& path
   return options;
 }
 
-LoadedSession LoadSession(const std::string& path) {
-  SessionContents contents = ReadSession(path);
-  OfflineOptions options = SessionOptions(contents.config, path);
-  contents = Completed(std::move(contents), options.slam, path);
-  return {options, std::move(contents)};
+LoadedSession LoadSession(const std::string& path, std::shared_ptr<ValueStore> store) {
+  const OfflineOptions options = SessionOptions(ReadSessionSummary(path).config, path);
+  if (store == nullptr) store = MakeStore(options.memory);
+  SessionContents contents = Completed(ReadSession(path, store), options.slam, path);
+  return {options, std::move(store), std::move(contents)};
 }
 
 }  // namespace arborslam

@@ -1,6 +1,7 @@
 #ifndef ARBORSLAM_APPS_OFFLINE_LOADED_SESSION_H_
 #define ARBORSLAM_APPS_OFFLINE_LOADED_SESSION_H_
 
+#include <memory>
 #include <string>
 
 #include "apps/offline/offline_options.h"
@@ -14,11 +15,13 @@ OfflineOptions SessionOptions(const std::string& config, const std::string& path
 /// A session with its options.
 struct LoadedSession {
   OfflineOptions options;
-  SessionContents contents;  ///< `Completed`.
+  std::shared_ptr<ValueStore> store;  ///< Of the scans and submaps.
+  SessionContents contents;           ///< `Completed`.
 };
 
 /// Reads the session at `path`; throws `UserError`.
-LoadedSession LoadSession(const std::string& path);
+/// @param store of its scans and submaps; null: one as its own options have it.
+LoadedSession LoadSession(const std::string& path, std::shared_ptr<ValueStore> store = nullptr);
 
 }  // namespace arborslam
 

@@ -339,7 +339,7 @@ void RefineMaps(const OfflineOptions& options, RunRecord* record, RunResults* re
 std::string TrackingConfig(OfflineOptions options) {
   ConfigSchema schema;
   options.VisitSections([&schema](const std::string& name, auto& section) {
-    for (const char* last : {"loop", "graph", "map_refinement", "map", "cloud"}) {
+    for (const char* last : {"loop", "graph", "map_refinement", "map", "cloud", "memory"}) {
       if (name == last) return;
     }
     schema.AddSection(name, &section);
@@ -391,7 +391,7 @@ int Run(const MultiFlags& multi_flags) {
   if (!FLAGS_session.empty() && TrackingConfig(options) != tracking_before) {
     throw UsageError("--config or --set differs from what the session " + FLAGS_session +
                      " was tracked with; with --session only the sections loop, graph, map_refinement, map, cloud, "
-                     "place and merge can be changed");
+                     "memory, place and merge can be changed");
   }
 
   if (IsG2oFile(FLAGS_input)) {
@@ -407,9 +407,10 @@ int Run(const MultiFlags& multi_flags) {
   std::optional<Trajectory3> reference;
   if (!FLAGS_ground_truth.empty()) reference = ReadTrajectory(FLAGS_ground_truth);
   const std::unique_ptr<ScanSource> source = OpenScanSource(FLAGS_input, options.input);
+  const std::shared_ptr<ValueStore> store = MakeStore(options.memory);
   KnownSession known;
   if (!FLAGS_session.empty()) {
-    known = ReadKnownSession(FLAGS_session, FLAGS_input, OpenScanSource(FLAGS_input, options.input)->Next());
+    known = ReadKnownSession(FLAGS_session, FLAGS_input, OpenScanSource(FLAGS_input, options.input)->Next(), store);
   }
   const bool is_new = known.map.has_value();
   if (is_new && FLAGS_odometry_only) {
@@ -437,7 +438,7 @@ int Run(const MultiFlags& multi_flags) {
   bool has_sweeps = SkipTracked(source.get(), known.tracked.read, &record, &odometry);
   const std::string session_path = (folder / (is_new ? kRecordingFile : kSessionFile)).string();
   const std::unique_ptr<SessionWriter> session = OpenSession(session_path, session_schema.ToYaml(), known);
-  Slam slam(options.slam, record.num_threads, std::move(known.tracked), FLAGS_session);
+  Slam slam(options.slam, record.num_threads, std::move(known.tracked), FLAGS_session, store);
   const KnownScans known_scans = is_new ? KnownScans(*known.map) : KnownScans();
   has_sweeps |= Track(source.get(), known_scans, &slam, session.get(), &record, &odometry);
   RequireKeyframes(slam, record);
@@ -449,7 +450,7 @@ int Run(const MultiFlags& multi_flags) {
   // A part of a recording is not placed: the rest could not follow.
   if (is_new && !record.is_interrupted) {
     joint = Join(options.slam, place, merge, record.num_threads, FLAGS_session, std::move(*known.map),
-                 ReadSession(session_path));
+                 ReadSession(session_path, store));
     record.join = joint.record;
   }
   const double cell_size = has_sweeps ? 0.0 : options.map.resolution;

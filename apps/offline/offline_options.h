@@ -3,6 +3,7 @@
 
 #include "backend/graph/graph_smoother.h"
 #include "backend/slam_options.h"
+#include "backend/store/memory_options.h"
 #include "core/io/sweep_folder_options.h"
 #include "core/map/cloud_options.h"
 #include "core/map/fine_map.h"
@@ -16,6 +17,7 @@ struct OfflineOptions {
   FineMapOptions map;
   CloudOptions cloud;
   SmoothingOptions smoothing;
+  MemoryOptions memory;
 
   /// Calls `visit(name, options)` for every section, in the order of the pipeline.
   template <class Visitor>
@@ -25,6 +27,7 @@ struct OfflineOptions {
     visit("map", map);
     visit("cloud", cloud);
     visit("smoothing", smoothing);
+    visit("memory", memory);
   }
 };
 

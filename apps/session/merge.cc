@@ -62,7 +62,7 @@ void RequireOtherRecordings(const NamedSession& first, const NamedSession& other
 std::vector<NamedSession> LoadSessions(const std::vector<std::string>& paths) {
   std::vector<NamedSession> sessions;
   for (const std::string& path : paths) {
-    NamedSession session{path, LoadSession(path)};
+    NamedSession session{path, LoadSession(path, sessions.empty() ? nullptr : sessions.front().session.store)};
     if (session.session.contents.keyframes.empty()) {
       throw UserError(path, "holds no keyframes yet", "leave it out, or map its recording first");
     }
@@ -129,7 +129,7 @@ int SessionMerge(const std::vector<std::string>& paths, const std::string& folde
   names.emplace_back(kSessionFile);
   const std::filesystem::path folder = PrepareOutputFolder(folder_name, names, paths);
   const MergeSolution solution = merger.Finish();
-  LoadedSession merged{options, merger.merged()};
+  LoadedSession merged{options, sessions.front().session.store, merger.merged()};
   merged.contents.config = schema.ToYaml();
   WriteSession((folder / kSessionFile).string(), merged.contents);
   WriteSessionOutputs(folder, merged);

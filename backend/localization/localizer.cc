@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <utility>
 
 #include "core/config/validation.h"
@@ -61,7 +62,7 @@ const char* ToString(LocalizationState state) {
 
 Localizer::Localizer(const SlamOptions& options, const PlaceOptions& place, const LocalizerOptions& localizer,
                      const PoseGraph& graph, const std::vector<Keyframe>& keyframes, const std::vector<Submap>& submaps,
-                     const std::optional<SE2>& initial_pose)
+                     const std::optional<SE2>& initial_pose, std::shared_ptr<ValueStore> store)
     : slam_options_(EveryScanAKeyframe(options)),
       place_options_(place),
       options_(localizer),
@@ -71,7 +72,8 @@ Localizer::Localizer(const SlamOptions& options, const PlaceOptions& place, cons
       matcher_(options.matcher, options.mhd, options.refinement),
       recognizer_(place, matcher_, options.matcher.max_second_ratio, graph, keyframes, submaps),
       targets_(submaps, options.grid.cell_size, options.matcher.max_distance, kNumTargets),
-      odometry_(std::make_unique<Slam>(slam_options_, 1)),
+      store_(std::move(store)),
+      odometry_(std::make_unique<Slam>(slam_options_, 1, store_)),
       vote_translation_step_(options.tracker.keyframe_translation),
       vote_rotation_step_(options.tracker.keyframe_rotation),
       initial_pose_(initial_pose) {}
@@ -87,7 +89,8 @@ LocalizationResult Localizer::Add(const AnyScan& scan) {
   }
   num_odometry_misses_ = result.odometry.status == ScanStatus::kMatched ? 0 : num_odometry_misses_ + 1;
   result.T_map_base = T_map_odom_ * result.odometry.T_odom_base;
-  const std::vector<Eigen::Vector2f>& points = odometry_->keyframes().back().scan.points;
+  const std::shared_ptr<const PlanarScan> planar = odometry_->keyframes().back().scan.Get();
+  const std::vector<Eigen::Vector2f>& points = planar->points;
   if (initial_pose_) {
     const MatchResult match =
         MatchInMap(points, *initial_pose_, place_options_.search_translation, place_options_.search_rotation);
@@ -224,7 +227,7 @@ bool Localizer::IsFound(const MatchResult& match) const {
 
 void Localizer::RestartOdometry() {
   T_map_odom_ = T_map_odom_ * odometry_->OptimizedTrajectory().back().pose;
-  odometry_ = std::make_unique<Slam>(slam_options_, 1);
+  odometry_ = std::make_unique<Slam>(slam_options_, 1, store_);
   votes_.clear();
   asked_at_.reset();
   num_odometry_misses_ = 0;

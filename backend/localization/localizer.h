@@ -13,6 +13,7 @@
 #include "backend/loop/submap_targets.h"
 #include "backend/slam.h"
 #include "backend/slam_options.h"
+#include "core/io/value_store.h"
 #include "core/map/submap.h"
 
 namespace arborslam {
@@ -77,11 +78,12 @@ class Localizer {
  public:
   /// @param options      of the run that made the map, so that scans are reduced in the same way.
   /// @param graph, keyframes, submaps the map, keyframe i with id i; must outlive this object.
+  /// @param store        takes care of the odometry's scans and submaps; null: they are kept in memory.
   /// @param initial_pose T_map_base of the first scan, to about `PlaceOptions::search_translation` and
   ///                     `search_rotation`, if known. It is tried first; a wrong one is found out and given up.
   Localizer(const SlamOptions& options, const PlaceOptions& place, const LocalizerOptions& localizer,
             const PoseGraph& graph, const std::vector<Keyframe>& keyframes, const std::vector<Submap>& submaps,
-            const std::optional<SE2>& initial_pose);
+            const std::optional<SE2>& initial_pose, std::shared_ptr<ValueStore> store = nullptr);
 
   LocalizationResult AddScan(const LaserScan& scan) { return Add(scan); }
   /// The same for a sweep in space. A run takes scans of one kind only, that of the map.
@@ -114,6 +116,7 @@ class Localizer {
   Matcher matcher_;
   PlaceRecognizer recognizer_;
   SubmapTargets targets_;
+  std::shared_ptr<ValueStore> store_;
   std::unique_ptr<Slam> odometry_;
   double vote_translation_step_;  // [m] and [rad], how far apart scans are asked where they were taken.
   double vote_rotation_step_;

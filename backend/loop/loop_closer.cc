@@ -158,12 +158,12 @@ std::vector<LoopCandidate> LoopCloser::FindAll(const PoseGraph& graph, const std
   std::vector<std::vector<LoopCandidate>> found(submaps.size());
   ParallelFor(submaps.size(), num_threads, [&](size_t i) {
     if (near[i].empty()) return;
-    const MatchTarget target(submaps[i].cells, cell_size_, max_distance_);
+    const MatchTarget target(*submaps[i].cells.Get(), cell_size_, max_distance_);
     for (const Pair& pair : near[i]) {
       const Keyframe& keyframe = keyframes[static_cast<size_t>(pair.keyframe.value)];
       const SE2 prediction = graph.Pose(submaps[i].id).Inverse() * graph.Pose(keyframe.id);
       LoopCandidate candidate{keyframe.id, submaps[i].id, {}, pair.search_translation, pair.search_rotation, false, ""};
-      Judge(target, keyframe.scan.points, prediction, &candidate);
+      Judge(target, keyframe.scan.Get()->points, prediction, &candidate);
       found[i].push_back(candidate);
     }
   });

@@ -98,7 +98,7 @@ PlaceRecognizer::PlaceRecognizer(const PlaceOptions& options, const Matcher& mat
     const SE2& pose = graph.Pose(keyframe.id);
     if (last && (pose.translation() - last->translation()).norm() < options.spacing) continue;
     last = pose;
-    places_.push_back({keyframe.id, *home, DescribePlace(keyframe.scan.points, options.max_range)});
+    places_.push_back({keyframe.id, *home, DescribePlace(keyframe.scan.Get()->points, options.max_range)});
   }
   index_ = std::make_unique<Index>(places_);
 }

@@ -13,7 +13,7 @@ const MatchTarget& SubmapTargets::Get(size_t index) {
   if (found != entries_.end()) {
     entries_.splice(entries_.begin(), entries_, found);
   } else {
-    entries_.push_front({index, MatchTarget(submaps_[index].cells, cell_size_, max_distance_)});
+    entries_.push_front({index, MatchTarget(*submaps_[index].cells.Get(), cell_size_, max_distance_)});
     if (entries_.size() > capacity_) entries_.pop_back();
   }
   return entries_.front().target;

@@ -45,7 +45,7 @@ std::vector<std::optional<PlaceVote>> Ask(const std::vector<const Keyframe*>& as
   ParallelFor(num_shares, num_threads, [&](size_t share) {
     SubmapTargets targets(a.submaps, options.grid.cell_size, options.matcher.max_distance, kNumTargets);
     for (size_t i = share * asked.size() / num_shares; i < (share + 1) * asked.size() / num_shares; ++i) {
-      const PlaceRecognition recognition = recognizer.Recognize(asked[i]->scan.points, &targets);
+      const PlaceRecognition recognition = recognizer.Recognize(asked[i]->scan.Get()->points, &targets);
       if (!recognition.best) continue;
       const PlaceCandidate& found = recognition.candidates[*recognition.best];
       votes[i] = PlaceVote{asked[i]->id, a.submaps[found.submap_index].id, found.match, found.T_map_base,

@@ -1,9 +1,11 @@
 #include "backend/refine/map_refiner.h"
 
 #include <algorithm>
+#include <memory>
 #include <set>
 
 #include "core/config/validation.h"
+#include "core/map/occupied_cells.h"
 #include "core/parallel.h"
 
 namespace arborslam {
@@ -36,12 +38,12 @@ PoseGraph MapRefiner::Remeasure(const PoseGraph& graph, const std::vector<Keyfra
   ParallelFor(submaps->size(), num_threads, [&](size_t i) {
     Submap& submap = (*submaps)[i];
     const SE2 T_submap_map = graph.Pose(submap.id).Inverse();
-    OccupancyGrid grid(grid_options_);
+    std::vector<InsertedScan> members;
     for (const KeyframeId id : submap.keyframes) {
-      grid.Insert(T_submap_map * graph.Pose(id), keyframes[static_cast<size_t>(id.value)].scan);
+      members.push_back({T_submap_map * graph.Pose(id), keyframes[static_cast<size_t>(id.value)].scan.Get()});
     }
-    submap.cells = grid.OccupiedCells(min_log_odds_);
-    const MatchTarget target(submap.cells, grid_options_.cell_size, max_distance_);
+    submap.cells = submap.cells.Replaced(OccupiedCellsOf(members, grid_options_, min_log_odds_));
+    const MatchTarget target(*submap.cells.Get(), grid_options_.cell_size, max_distance_);
     for (const Keyframe& keyframe : keyframes) {
       const SE2& T_map_keyframe = graph.Pose(keyframe.id);
       const bool near = std::any_of(submap.keyframes.begin(), submap.keyframes.end(), [&](KeyframeId member) {
@@ -52,9 +54,10 @@ PoseGraph MapRefiner::Remeasure(const PoseGraph& graph, const std::vector<Keyfra
       // searched for in the maps of its own time.
       const bool is_of_this_time = submap.keyframes.front() < keyframe.id && keyframe.id < submap.keyframes.back();
       const SE2 initial = T_submap_map * T_map_keyframe;
+      const std::shared_ptr<const PlanarScan> scan = keyframe.scan.Get();
       const MatchResult match = !keyframe.is_inserted && is_of_this_time
-                                    ? matcher_.Match(target, keyframe.scan.points, initial, kSpoiltWindow)
-                                    : matcher_.MatchNear(target, keyframe.scan.points, initial);
+                                    ? matcher_.Match(target, scan->points, initial, kSpoiltWindow)
+                                    : matcher_.MatchNear(target, scan->points, initial);
       if (!IsUsable(match.verdict)) continue;
       const bool is_own = std::binary_search(submap.keyframes.begin(), submap.keyframes.end(), keyframe.id);
       (is_own ? own : foreign)[i].push_back({submap.id, keyframe.id, match.pose, match.information,

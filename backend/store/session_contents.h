@@ -41,7 +41,9 @@ struct SessionContents {
 };
 
 /// True if a session, which has a keyframe, was made from sweeps in space; false: from planar scans.
-inline bool IsSpatial(const SessionContents& session) { return !session.keyframes.front().scan.point_rays_are_free; }
+inline bool IsSpatial(const SessionContents& session) {
+  return !session.keyframes.front().scan.Get()->point_rays_are_free;
+}
 
 }  // namespace arborslam
 

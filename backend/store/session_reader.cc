@@ -32,7 +32,8 @@ std::unique_ptr<Database> OpenSession(const std::string& path) {
 // Reads one session, and makes sure of all that others take for granted.
 class Reader {
  public:
-  Reader(Database* database, SessionStage stage) : database_(*database), stage_(stage) {}
+  Reader(Database* database, SessionStage stage, std::shared_ptr<ValueStore> store = nullptr)
+      : database_(*database), stage_(stage), store_(std::move(store)) {}
 
   SessionContents Read() {
     SessionContents contents;
@@ -46,7 +47,7 @@ class Reader {
     ReadSubmaps(&contents);
     if (contents.is_finished) {
       ReadTilts(&contents);
-      ShiftStamps(&contents);
+      ShiftAllStamps(&contents);
     } else {
       ReadState(&contents);
     }
@@ -133,6 +134,8 @@ class Reader {
         fields(posed);
         Require(std::isfinite(posed.stamp) && (recording.num_posed == 0 || posed.stamp > contents->scans.back().stamp),
                 part, "its stamp is not after the one before");
+        posed.ground = Kept(posed.ground);
+        posed.lines = Kept(posed.lines);
         ++recording.num_posed;
         contents->scans.push_back(std::move(posed));
       }
@@ -140,6 +143,12 @@ class Reader {
       contents->read.push_back(std::move(scan));
       ++recording.num_read;
     }
+  }
+
+  // In the care of the store, unless there is nothing to take care of.
+  template <class T>
+  Stored<std::vector<T>> Kept(const Stored<std::vector<T>>& values) const {
+    return values.Get()->empty() ? Stored<std::vector<T>>() : values.MovedTo(store_);
   }
 
   void ReadKeyframes(SessionContents* contents) {
@@ -153,11 +162,12 @@ class Reader {
       keyframe.is_inserted = row.Integer(1) != 0;
       const std::string bytes = Decompress(row.Bytes(2), Place(part));
       BinaryReader fields(bytes, Place(part));
-      fields(keyframe.scan);
+      PlanarScan scan;
+      fields(scan);
       fields.CheckEnd();
-      const PlanarScan& scan = keyframe.scan;
       Require(std::isfinite(scan.stamp) && AreFinite(scan.points) && AreFinite(scan.free_ends), part,
               "it holds values that are not finite");
+      keyframe.scan = {std::move(scan), store_};
       contents->keyframes.push_back(std::move(keyframe));
     }
     for (const PosedScan& scan : contents->scans) {
@@ -240,9 +250,11 @@ class Reader {
         Require(keyframe.value >= 0 && static_cast<size_t>(keyframe.value) < contents->keyframes.size(), part,
                 "a keyframe of it is missing");
       }
-      for (const OccupiedCell& cell : submap.cells) {
+      const std::shared_ptr<const std::vector<OccupiedCell>> cells = submap.cells.Get();
+      for (const OccupiedCell& cell : *cells) {
         Require(cell.centroid.allFinite() && std::isfinite(cell.log_odds), part, "a cell of it is not finite");
       }
+      submap.cells = Kept(submap.cells);
       contents->submaps.push_back(std::move(submap));
     }
   }
@@ -258,7 +270,7 @@ class Reader {
     Require(index == contents->scans.size(), "table tilts", "it does not go with the scans");
   }
 
-  void ShiftStamps(SessionContents* contents) {
+  void ShiftAllStamps(SessionContents* contents) {
     Database::Statement row(&database_, "SELECT value FROM session WHERE key = ?");
     row.BindText(kSessionStampShift);
     const std::string part = std::string("table session, ") + kSessionStampShift;
@@ -266,7 +278,7 @@ class Reader {
     const double shift = row.Real(0);
     Require(std::isfinite(shift), part, "it is not finite");
     for (PosedScan& scan : contents->scans) scan.stamp += shift;
-    for (Keyframe& keyframe : contents->keyframes) keyframe.scan.stamp += shift;
+    ShiftStamps(shift, &contents->keyframes);
   }
 
   void ReadState(SessionContents* contents) {
@@ -283,19 +295,26 @@ class Reader {
 
   Database& database_;
   SessionStage stage_;
+  std::shared_ptr<ValueStore> store_;
 };
 
-SessionContents ReadStage(const std::string& path, std::optional<SessionStage> stage) {
+SessionContents ReadStage(const std::string& path, std::optional<SessionStage> stage,
+                          const std::shared_ptr<ValueStore>& store) {
   const std::unique_ptr<Database> database = OpenSession(path);
   const bool is_finished = Reader(database.get(), SessionStage::kTracked).IsFinished();
-  return Reader(database.get(), stage.value_or(is_finished ? SessionStage::kFinished : SessionStage::kTracked)).Read();
+  return Reader(database.get(), stage.value_or(is_finished ? SessionStage::kFinished : SessionStage::kTracked), store)
+      .Read();
 }
 
 }  // namespace
 
-SessionContents ReadSession(const std::string& path) { return ReadStage(path, std::nullopt); }
+SessionContents ReadSession(const std::string& path, const std::shared_ptr<ValueStore>& store) {
+  return ReadStage(path, std::nullopt, store);
+}
 
-SessionContents ReadTracked(const std::string& path) { return ReadStage(path, SessionStage::kTracked); }
+SessionContents ReadTracked(const std::string& path, const std::shared_ptr<ValueStore>& store) {
+  return ReadStage(path, SessionStage::kTracked, store);
+}
 
 SessionSummary ReadSessionSummary(const std::string& path) {
   SessionSummary summary;

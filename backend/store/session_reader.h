@@ -1,11 +1,13 @@
 #ifndef ARBORSLAM_BACKEND_STORE_SESSION_READER_H_
 #define ARBORSLAM_BACKEND_STORE_SESSION_READER_H_
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "backend/slam_options.h"
 #include "backend/store/session_contents.h"
+#include "core/io/value_store.h"
 
 namespace arborslam {
 
@@ -21,11 +23,12 @@ struct SessionSummary {
 /// the window and the submaps had come to with the last transaction. Sessions of older formats are read alike; the file
 /// stays as it is, but for what a killed program had left beside it. All errors are `UserError`s: a file that is no
 /// session, a newer format, and whatever does not go together in it.
-SessionContents ReadSession(const std::string& path);
+/// @param store takes care of scans and submaps; null: they are kept in memory.
+SessionContents ReadSession(const std::string& path, const std::shared_ptr<ValueStore>& store = nullptr);
 
 /// The same as it was tracked, for a run that goes on with it, though it be finished: `is_finished` is false. A session
 /// that was merged from several recordings is an error, too.
-SessionContents ReadTracked(const std::string& path);
+SessionContents ReadTracked(const std::string& path, const std::shared_ptr<ValueStore>& store = nullptr);
 
 /// Throws `UserError` as `ReadSession` does, but looks at little.
 SessionSummary ReadSessionSummary(const std::string& path);

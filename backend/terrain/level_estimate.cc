@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <memory>
 #include <set>
 #include <utility>
 
@@ -33,7 +34,8 @@ LevelEstimate EstimateLevel(const std::vector<UprightView>& views) {
     const Eigen::Vector2d change(view.tilt.pitch - view.tilt_when_seen.pitch,
                                  view.tilt_when_seen.roll - view.tilt.roll);
     const Eigen::Matrix2d rotation = view.T_map_base.rotation();
-    for (const UprightLine& line : view.lines) {
+    const std::shared_ptr<const std::vector<UprightLine>> seen = view.lines.Get();
+    for (const UprightLine& line : *seen) {
       const Eigen::Vector2d direction = line.direction.cast<double>();
       const double variance = kLean * kLean + kRangeNoise * kRangeNoise / static_cast<double>(line.spread);
       lines.push_back({rotation * direction, static_cast<double>(line.slope) + direction.dot(change), 1.0 / variance});

@@ -5,6 +5,7 @@
 
 #include "core/geometry/se2.h"
 #include "core/geometry/tilt.h"
+#include "core/io/value_store.h"
 #include "frontend/projection/upright_lines.h"
 
 namespace arborslam {
@@ -12,9 +13,9 @@ namespace arborslam {
 /// The upright lines of one sweep.
 struct UprightView {
   SE2 T_map_base;
-  Tilt3 tilt;                      ///< The lidar's, over the map: the present estimate.
-  Tilt3 tilt_when_seen;            ///< That with which the lines were measured.
-  std::vector<UprightLine> lines;  ///< In the base frame.
+  Tilt3 tilt;                              ///< The lidar's, over the map: the present estimate.
+  Tilt3 tilt_when_seen;                    ///< That with which the lines were measured.
+  Stored<std::vector<UprightLine>> lines;  ///< In the base frame.
 };
 
 /// How a map leans, as the things that stand upright in it tell.

@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <memory>
 #include <optional>
 
 #include "backend/terrain/level_estimate.h"
@@ -25,7 +26,8 @@ TerrainMap GroundOf(const TerrainOptions& options, const PoseGraph& graph, Scans
   TerrainMap ground(options.cell_size);
   for (Scans scan = begin; scan != end; ++scan) {
     const Eigen::Isometry3d T_map_lidar = Lift(PoseOf(*scan, graph), scan->tilt);
-    for (const GroundSample& sample : scan->ground) {
+    const std::shared_ptr<const std::vector<GroundSample>> samples = scan->ground.Get();
+    for (const GroundSample& sample : *samples) {
       ground.Insert(T_map_lidar * sample.position.cast<double>(), sample.weight);
     }
   }
@@ -64,7 +66,7 @@ Eigen::Vector3d PlaneThrough(const std::vector<Step>& steps) {
 
 void SmoothTilts(const TerrainOptions& options, const PoseGraph& graph, std::vector<PosedScan>* scans) {
   const bool is_spatial =
-      std::any_of(scans->begin(), scans->end(), [](const PosedScan& scan) { return !scan.ground.empty(); });
+      std::any_of(scans->begin(), scans->end(), [](const PosedScan& scan) { return !scan.ground.Get()->empty(); });
   if (!is_spatial) return;
   // Evenly along the path, so that no place counts more because the robot stood there.
   std::vector<TerrainView> views;
@@ -72,16 +74,17 @@ void SmoothTilts(const TerrainOptions& options, const PoseGraph& graph, std::vec
     const SE2 pose = PoseOf(scan, graph);
     const bool is_far = views.empty() ||
                         (views.back().T_map_base.translation() - pose.translation()).norm() >= options.keyframe_spacing;
-    if (is_far && !scan.ground.empty()) views.push_back({pose, scan.ground, scan.local_tilt, scan.tilt});
+    if (is_far && !scan.ground.Get()->empty()) views.push_back({pose, scan.ground, scan.local_tilt, scan.tilt});
   }
   const TerrainMap terrain = SmoothTerrain(options, &views);
   for (PosedScan& scan : *scans) {
-    if (scan.ground.empty()) continue;
-    scan.tilt = FitToTerrain(scan.ground, terrain, PoseOf(scan, graph), scan.tilt).tilt;
+    const std::shared_ptr<const std::vector<GroundSample>> ground = scan.ground.Get();
+    if (ground->empty()) continue;
+    scan.tilt = FitToTerrain(*ground, terrain, PoseOf(scan, graph), scan.tilt).tilt;
   }
   std::vector<UprightView> upright;
   for (const PosedScan& scan : *scans) {
-    if (scan.lines.empty()) continue;
+    if (scan.lines.Get()->empty()) continue;
     upright.push_back({PoseOf(scan, graph), scan.tilt, scan.odometry_tilt, scan.lines});
   }
   const LevelEstimate level = EstimateLevel(upright);

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <utility>
 
 #include "core/config/validation.h"
@@ -74,6 +75,37 @@ struct ViewSystem {
   Eigen::VectorXd node_vector;
 };
 
+// A sparse symmetric matrix, as its lower triangle, that is a sum of very many entries.
+class SymmetricSum {
+ public:
+  explicit SymmetricSum(int size) : sum_(size, size) {}
+
+  // `row` must not be less than `column`.
+  void Add(int row, int column, double value) {
+    entries_.emplace_back(row, column, value);
+    if (entries_.size() >= kMostEntries) Gather();
+  }
+
+  const Eigen::SparseMatrix<double>& Get() {
+    Gather();
+    return sum_;
+  }
+
+ private:
+  // As many as are not added up yet at most: all would take several times the memory of the sum.
+  static constexpr size_t kMostEntries = size_t{1} << 20;
+
+  void Gather() {
+    Eigen::SparseMatrix<double> gathered(sum_.rows(), sum_.cols());
+    gathered.setFromTriplets(entries_.begin(), entries_.end());
+    sum_ += gathered;
+    entries_.clear();
+  }
+
+  Eigen::SparseMatrix<double> sum_;
+  std::vector<Eigen::Triplet<double>> entries_;
+};
+
 // The mean of the ground that the views see, by node.
 Eigen::VectorXd InitialHeights(const std::vector<TerrainView>& views, const std::vector<std::vector<Mixture>>& mixtures,
                                int num_nodes) {
@@ -81,8 +113,9 @@ Eigen::VectorXd InitialHeights(const std::vector<TerrainView>& views, const std:
   Eigen::VectorXd shares = Eigen::VectorXd::Constant(num_nodes, 1e-9);
   for (size_t i = 0; i < views.size(); ++i) {
     const Eigen::Isometry3d T_base_lidar = views[i].tilt.Transform();
-    for (size_t j = 0; j < views[i].samples.size(); ++j) {
-      const double z = (T_base_lidar * views[i].samples[j].position.cast<double>()).z();
+    const std::shared_ptr<const std::vector<GroundSample>> samples = views[i].samples.Get();
+    for (size_t j = 0; j < samples->size(); ++j) {
+      const double z = (T_base_lidar * (*samples)[j].position.cast<double>()).z();
       for (size_t k = 0; k < 4; ++k) {
         sums[mixtures[i][j].nodes[k]] += mixtures[i][j].shares[k] * z;
         shares[mixtures[i][j].nodes[k]] += mixtures[i][j].shares[k];
@@ -110,8 +143,9 @@ ViewSystem Linearize(const TerrainView& view, const std::vector<Mixture>& mixtur
   system.vector << slope_information * (view.local_tilt.roll - view.tilt.roll),
       slope_information * (view.local_tilt.pitch - view.tilt.pitch), 0.0;
   const Eigen::Matrix3d rotation = view.tilt.Rotation();
-  for (size_t i = 0; i < view.samples.size(); ++i) {
-    const Eigen::Vector3d point = rotation * view.samples[i].position.cast<double>();
+  const std::shared_ptr<const std::vector<GroundSample>> samples = view.samples.Get();
+  for (size_t i = 0; i < samples->size(); ++i) {
+    const Eigen::Vector3d point = rotation * (*samples)[i].position.cast<double>();
     const Mixture& mixture = mixtures[i];
     std::array<Eigen::Index, 4> local{};
     double ground = 0.0;
@@ -155,7 +189,8 @@ TerrainMap SmoothTerrain(const TerrainOptions& options, std::vector<TerrainView>
   std::vector<std::vector<Mixture>> mixtures(views->size());
   for (size_t i = 0; i < views->size(); ++i) {
     const TerrainView& view = (*views)[i];
-    for (const GroundSample& sample : view.samples) {
+    const std::shared_ptr<const std::vector<GroundSample>> samples = view.samples.Get();
+    for (const GroundSample& sample : *samples) {
       const Eigen::Vector3d point = view.tilt.Rotation() * sample.position.cast<double>();
       mixtures[i].push_back(grid.At(view.T_map_base * Eigen::Vector2d(point.head<2>())));
     }
@@ -170,7 +205,7 @@ TerrainMap SmoothTerrain(const TerrainOptions& options, std::vector<TerrainView>
   Eigen::VectorXd heights = InitialHeights(*views, mixtures, grid.size());
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     std::vector<ViewSystem> systems;
-    std::vector<Eigen::Triplet<double>> triplets;
+    SymmetricSum information(grid.size());
     Eigen::VectorXd vector = Eigen::VectorXd::Zero(grid.size());
     for (size_t i = 0; i < views->size(); ++i) {
       systems.push_back(Linearize((*views)[i], mixtures[i], heights, options));
@@ -190,7 +225,7 @@ TerrainMap SmoothTerrain(const TerrainOptions& options, std::vector<TerrainView>
         const int node = system.nodes[static_cast<size_t>(row)];
         vector[node] += reduced_vector[row];
         for (Eigen::Index col = 0; col <= row; ++col) {
-          triplets.emplace_back(node, system.nodes[static_cast<size_t>(col)], reduced(row, col));
+          information.Add(node, system.nodes[static_cast<size_t>(col)], reduced(row, col));
         }
       }
       // The greatest part, needed no more.
@@ -200,14 +235,12 @@ TerrainMap SmoothTerrain(const TerrainOptions& options, std::vector<TerrainView>
       const double difference = heights[a] - heights[b];
       vector[a] -= smoothness * difference;
       vector[b] += smoothness * difference;
-      triplets.emplace_back(a, a, smoothness);
-      triplets.emplace_back(b, b, smoothness);
-      triplets.emplace_back(std::max(a, b), std::min(a, b), -smoothness);
+      information.Add(a, a, smoothness);
+      information.Add(b, b, smoothness);
+      information.Add(std::max(a, b), std::min(a, b), -smoothness);
     }
-    Eigen::SparseMatrix<double> information(grid.size(), grid.size());
-    information.setFromTriplets(triplets.begin(), triplets.end());
-    for (int node = 0; node < grid.size(); ++node) information.coeffRef(node, node) += 1e-6;
-    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> solver(information);
+    for (int node = 0; node < grid.size(); ++node) information.Add(node, node, 1e-6);
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> solver(information.Get());
     const Eigen::VectorXd step = solver.solve(vector);
     heights += step;
     for (size_t i = 0; i < views->size(); ++i) {
@@ -227,7 +260,8 @@ TerrainMap SmoothTerrain(const TerrainOptions& options, std::vector<TerrainView>
   }
   for (const TerrainView& view : *views) {
     const Eigen::Isometry3d T_map_lidar = Lift(view.T_map_base, view.tilt);
-    for (const GroundSample& sample : view.samples) {
+    const std::shared_ptr<const std::vector<GroundSample>> samples = view.samples.Get();
+    for (const GroundSample& sample : *samples) {
       terrain.Insert(T_map_lidar * sample.position.cast<double>(), sample.weight);
     }
   }

@@ -6,6 +6,7 @@
 
 #include "core/geometry/se2.h"
 #include "core/geometry/tilt.h"
+#include "core/io/value_store.h"
 #include "core/map/terrain_map.h"
 #include "core/sensor/ground_sample.h"
 
@@ -33,9 +34,9 @@ struct TerrainOptions {
 /// The ground that one sweep saw, and from where.
 struct TerrainView {
   SE2 T_map_base;
-  std::vector<GroundSample> samples;  ///< In the lidar frame.
-  Tilt3 local_tilt;                   ///< Over the slope of the ground around the robot, of this sweep alone.
-  Tilt3 tilt;                         ///< Over the map: the present estimate.
+  Stored<std::vector<GroundSample>> samples;  ///< In the lidar frame.
+  Tilt3 local_tilt;                           ///< Over the slope of the ground around the robot, of this sweep alone.
+  Tilt3 tilt;                                 ///< Over the map: the present estimate.
 };
 
 /// Height and tilt of all sweeps and the height of the ground, in one sparse linear least-squares problem: a sweep's

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "core/io/value_store.h"
 #include "core/map/ids.h"
 #include "core/map/occupancy_grid.h"
 
@@ -12,8 +13,8 @@ namespace arborslam {
 /// first keyframe when the submap was begun (the anchor).
 struct Submap {
   SubmapId id;
-  std::vector<KeyframeId> keyframes;  ///< Whose scans it is made of, in order.
-  std::vector<OccupiedCell> cells;    ///< Occupied cells, in the submap's frame.
+  std::vector<KeyframeId> keyframes;        ///< Whose scans it is made of, in order.
+  Stored<std::vector<OccupiedCell>> cells;  ///< Occupied cells, in the submap's frame.
 
   template <class Visitor>
   void VisitState(Visitor&& visit) {

@@ -222,11 +222,11 @@ std::optional<Submap> Tracker::Insert(KeyframeId id, const PlanarScan& scan, con
   return finished;
 }
 
-bool Tracker::RestoreMaps(const std::function<const PlanarScan*(KeyframeId)>& scan_of) {
+bool Tracker::RestoreMaps(const std::function<std::shared_ptr<const PlanarScan>(KeyframeId)>& scan_of) {
   for (ActiveSubmap& submap : active_) {
     if (submap.keyframes.size() != submap.inserted_at.size()) return false;
     for (size_t i = 0; i < submap.keyframes.size(); ++i) {
-      const PlanarScan* scan = scan_of(submap.keyframes[i]);
+      const std::shared_ptr<const PlanarScan> scan = scan_of(submap.keyframes[i]);
       if (scan == nullptr) return false;
       submap.grid.Insert(submap.inserted_at[i], *scan);
       if (i + 1 == submap.target_keyframes) MakeTarget(&submap);

@@ -142,7 +142,7 @@ class Tracker {
   /// Puts the scans into the active submaps again, at the poses at which they were inserted; `scan_of` gives those of
   /// the keyframes that the submaps name, and what scans are matched to is afterwards the same bits as it was.
   /// False, for a state that is damaged, when there is no such keyframe (null).
-  bool RestoreMaps(const std::function<const PlanarScan*(KeyframeId)>& scan_of);
+  bool RestoreMaps(const std::function<std::shared_ptr<const PlanarScan>(KeyframeId)>& scan_of);
 
  private:
   struct ActiveSubmap {

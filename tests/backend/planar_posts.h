@@ -63,7 +63,7 @@ struct PostsRun {
     submap.id = SubmapId{static_cast<int>(submaps.size())};
     const SE2 T_submap_map = truth[static_cast<size_t>(first)].Inverse();
     for (int i = first; i <= last; ++i) {
-      grid.Insert(T_submap_map * truth[static_cast<size_t>(i)], keyframes[static_cast<size_t>(i)].scan);
+      grid.Insert(T_submap_map * truth[static_cast<size_t>(i)], *keyframes[static_cast<size_t>(i)].scan.Get());
       submap.keyframes.push_back(KeyframeId{i});
     }
     submap.cells = grid.OccupiedCells(0.0f);

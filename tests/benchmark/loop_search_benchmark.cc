@@ -47,7 +47,7 @@ struct MuchVisitedArea {
       OccupancyGrid grid(options.grid);
       for (int i = s * kSubmapStep; i < s * kSubmapStep + kSubmapLength; ++i) {
         const SE2 T_submap_keyframe = T_map_submap.Inverse() * graph.Pose(KeyframeId{i});
-        grid.Insert(T_submap_keyframe, keyframes[static_cast<size_t>(i)].scan);
+        grid.Insert(T_submap_keyframe, *keyframes[static_cast<size_t>(i)].scan.Get());
         submap.keyframes.push_back(KeyframeId{i});
         graph.AddConstraint({submap.id, KeyframeId{i}, T_submap_keyframe, information, Constraint::Kind::kSubmap});
       }
@@ -111,7 +111,7 @@ void BM_PlaceRecognition(benchmark::State& state) {
   size_t next = 0;
   for (auto _ : state) {
     const double begin = ProcessorTime();
-    const PlaceRecognition found = recognizer.Recognize(area.keyframes[next].scan.points, &targets);
+    const PlaceRecognition found = recognizer.Recognize(area.keyframes[next].scan.Get()->points, &targets);
     milliseconds.push_back(1e3 * (ProcessorTime() - begin));
     num_recognized += found.best ? 1.0 : 0.0;
     next = (next + 4) % area.keyframes.size();

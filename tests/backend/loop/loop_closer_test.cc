@@ -185,7 +185,7 @@ TEST(LoopCloserInAGrid, AcceptsNoFalseLoop) {
     for (size_t i = 20; i < 130; i += 2) {
       add(i, orchard.TruePose(i));
       submap.keyframes.push_back(keyframes.back().id);
-      grid.Insert(T_submap_world * orchard.TruePose(i), keyframes.back().scan);
+      grid.Insert(T_submap_world * orchard.TruePose(i), *keyframes.back().scan.Get());
     }
     submap.cells = grid.OccupiedCells(static_cast<float>(LogOddsOf(0.55)));
     graph.AddNode(submap.id, orchard.TruePose(20));

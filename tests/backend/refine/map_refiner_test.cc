@@ -114,8 +114,8 @@ TEST_F(MapRefinerTest, AnyNumberOfThreadsMeasuresTheSame) {
     EXPECT_EQ(one.constraints()[i].information, three.constraints()[i].information);
   }
   for (size_t i = 0; i < submaps.size(); ++i) {
-    ASSERT_EQ(submaps[i].cells.size(), run_.submaps[i].cells.size());
-    EXPECT_FALSE(submaps[i].cells.empty());
+    ASSERT_EQ(submaps[i].cells.Get()->size(), run_.submaps[i].cells.Get()->size());
+    EXPECT_FALSE(submaps[i].cells.Get()->empty());
   }
 }
 

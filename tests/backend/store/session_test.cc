@@ -95,8 +95,8 @@ void ExpectSameKeyframes(const std::vector<Keyframe>& a, const std::vector<Keyfr
 }
 
 // A run of `scans` in one piece.
-Slam WholeRun(const std::vector<Scan>& scans) {
-  Slam slam(SlamOptions(), 1);
+Slam WholeRun(const std::vector<Scan>& scans, std::shared_ptr<ValueStore> store = nullptr) {
+  Slam slam(SlamOptions(), 1, std::move(store));
   for (const Scan& scan : scans) std::visit([&slam](const auto& any) { slam.AddScan(any); }, scan);
   slam.Finish(false);
   return slam;
@@ -135,12 +135,12 @@ class SessionTest : public testing::Test {
   }
 
   // Goes on with the session and ends the run; returns the run.
-  Slam GoOn(const std::vector<Scan>& scans) const {
-    SessionContents contents = ReadTracked(Path());
+  Slam GoOn(const std::vector<Scan>& scans, const std::shared_ptr<ValueStore>& store = nullptr) const {
+    SessionContents contents = ReadTracked(Path(), store);
     const auto session = SessionWriter::Continue(Path(), contents);
     const size_t begin = contents.read.size();
     for (size_t i = 0; i < begin; ++i) EXPECT_EQ(contents.read[i].fingerprint, FingerprintOf(scans[i]));
-    Slam slam(SlamOptions(), 1, std::move(contents), Path());
+    Slam slam(SlamOptions(), 1, std::move(contents), Path(), store);
     for (size_t i = begin; i < scans.size(); ++i) Add(scans[i], &slam, session.get());
     session->Commit(slam);
     const FinishResult finish = slam.Finish(false);
@@ -184,6 +184,31 @@ TEST_F(SessionTest, HoldsAllOfARunThatHasNotEnded) {
   slam.Finish(true);
   EXPECT_EQ(BytesOf(completed.submaps), BytesOf(slam.submaps()));
   EXPECT_GT(completed.submaps.size(), contents.submaps.size());
+}
+
+TEST_F(SessionTest, ComesToTheSameBitsWhateverIsKeptInMemory) {
+  for (const auto& scans : {PlanarScans(), SpatialScans(60)}) {
+    const Slam whole = WholeRun(scans);
+    const auto store = std::make_shared<ValueStore>(testing::TempDir(), 20000);
+    const auto expect_same = [&](const Slam& slam) {
+      ExpectSameGraph(slam.graph(), whole.graph());
+      EXPECT_EQ(BytesOf(slam.scans()), BytesOf(whole.scans()));
+      EXPECT_EQ(BytesOf(slam.submaps()), BytesOf(whole.submaps()));
+      ExpectSameKeyframes(slam.keyframes(), whole.keyframes());
+      EXPECT_LE(store->bytes_in_memory(), 20000u);
+    };
+    expect_same(WholeRun(scans, store));
+    EXPECT_GT(store->bytes_in_file(), 40000u);
+    {
+      Slam tracked(SlamOptions(), 1, store);
+      TrackUpTo(scans.size() / 2, scans, &tracked);
+    }
+    expect_same(GoOn(scans, store));
+    const SessionContents contents = ReadSession(Path(), store);
+    EXPECT_EQ(BytesOf(contents.scans), BytesOf(whole.scans()));
+    EXPECT_EQ(BytesOf(contents.submaps), BytesOf(whole.submaps()));
+    ExpectSameKeyframes(contents.keyframes, whole.keyframes());
+  }
 }
 
 TEST_F(SessionTest, GoesOnToTheSameBitsFromAnyScan) {

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "core/geometry/angles.h"
 #include "core/simulation/random.h"
@@ -20,15 +22,17 @@ std::vector<UprightView> Views(const Eigen::Vector2d& lean, double taper, double
     view.T_map_base = SE2(0.5 * i, 0.0, random.Uniform(-kPi, kPi));
     view.tilt = {random.Uniform(-0.05, 0.05), random.Uniform(-0.05, 0.05), 0.5};
     view.tilt_when_seen = view.tilt;
+    std::vector<UprightLine> lines;
     for (int k = 0; k < 15; ++k) {
       const double bearing = random.Uniform(-kPi, kPi);
       const Eigen::Vector2d direction(std::cos(bearing), std::sin(bearing));
       const double slope = random.Uniform() < foliage ? random.Uniform(-0.35, 0.35)
                                                       : direction.dot(view.T_map_base.rotation().transpose() * lean) +
                                                             taper + 0.05 * random.Gaussian();
-      view.lines.push_back(
+      lines.push_back(
           {direction.cast<float>(), static_cast<float>(random.Uniform(1.0, 6.0)), static_cast<float>(slope), 0.1f});
     }
+    view.lines = std::move(lines);
     views.push_back(view);
   }
   return views;
@@ -53,7 +57,9 @@ TEST(EstimateLevel, FollowsTiltsThatWereCorrectedSince) {
     const Eigen::Vector2d lean = view.T_map_base.rotation().transpose() * Eigen::Vector2d(0.03, 0.0);
     view.tilt_when_seen.pitch = view.tilt.pitch + lean.x();
     view.tilt_when_seen.roll = view.tilt.roll - lean.y();
-    for (UprightLine& line : view.lines) line.slope += static_cast<float>(line.direction.cast<double>().dot(lean));
+    std::vector<UprightLine> lines = *view.lines.Get();
+    for (UprightLine& line : lines) line.slope += static_cast<float>(line.direction.cast<double>().dot(lean));
+    view.lines = std::move(lines);
   }
   EXPECT_LT(EstimateLevel(views).lean.norm(), 0.006);
 }

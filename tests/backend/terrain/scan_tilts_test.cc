@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "core/simulation/random.h"
@@ -36,13 +37,15 @@ struct TwoRuns {
           return Ground(place) + (run == 0 ? 0.0 : lift + slope.dot(place));
         };
         scan.tilt.z = seen(pose.translation()) + kLidarHeight;
+        std::vector<GroundSample> ground;
         for (int k = 0; k < 60; ++k) {
           const Eigen::Vector2d place(random.Uniform(-4.0, 4.0), random.Uniform(-4.0, 4.0));
           GroundSample sample;
           sample.position << place.cast<float>(), static_cast<float>(seen(pose * place) - scan.tilt.z);
           sample.weight = 1.0f;
-          scan.ground.push_back(sample);
+          ground.push_back(sample);
         }
+        scan.ground = std::move(ground);
         scans.push_back(scan);
       }
       if (run == 0) num_first = scans.size();
@@ -54,7 +57,8 @@ struct TwoRuns {
     double greatest = 0.0;
     for (size_t i = num_first; i < scans.size(); ++i) {
       const Eigen::Isometry3d T_map_lidar = Lift(graph.Pose(scans[i].keyframe), scans[i].tilt);
-      for (const GroundSample& sample : scans[i].ground) {
+      const auto ground = scans[i].ground.Get();
+      for (const GroundSample& sample : *ground) {
         const Eigen::Vector3d point = T_map_lidar * sample.position.cast<double>();
         greatest = std::max(greatest, std::abs(point.z() - Ground(point.head<2>())));
       }

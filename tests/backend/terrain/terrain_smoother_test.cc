@@ -48,15 +48,17 @@ Walk RandomWalk(double drift) {
     TerrainView view;
     view.T_map_base = pose;
     const Eigen::Isometry3d T_lidar_map = Lift(pose, truth).inverse();
+    std::vector<GroundSample> samples;
     for (int k = 0; k < 80; ++k) {
       const double range = random.Uniform(1.5, 8.0);
       const double bearing = random.Uniform(-kPi, kPi);
       const double x = pose.x() + range * std::cos(bearing);
       const double y = pose.y() + range * std::sin(bearing);
       const Eigen::Vector3d ground(x, y, Ground(x, y) + 0.02 * random.Gaussian());
-      view.samples.push_back({(T_lidar_map * ground).cast<float>(), 3.0f});
+      samples.push_back({(T_lidar_map * ground).cast<float>(), 3.0f});
     }
-    view.local_tilt = LocalTilt(view.samples);
+    view.local_tilt = LocalTilt(samples);
+    view.samples = std::move(samples);
     view.tilt = truth;
     view.tilt.z += drift * i;
     view.tilt.roll += 0.5 * drift * std::sin(0.1 * i);

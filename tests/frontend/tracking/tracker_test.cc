@@ -209,8 +209,9 @@ TEST(TrackerTest, SubmapCellsAreInTheFrameOfTheSubmap) {
   tracker.Insert(KeyframeId{0}, OnePoint(), SE2(10.0, 5.0, 0.5 * kPi));
   const std::vector<Submap> finished = tracker.FinishAll();
   ASSERT_EQ(finished.size(), 1u);
-  ASSERT_EQ(finished[0].cells.size(), 1u);
-  EXPECT_TRUE(finished[0].cells[0].centroid.isApprox(Eigen::Vector2f(2.0f, 0.0f), 1e-4f));
+  const auto cells = finished[0].cells.Get();
+  ASSERT_EQ(cells->size(), 1u);
+  EXPECT_TRUE(cells->front().centroid.isApprox(Eigen::Vector2f(2.0f, 0.0f), 1e-4f));
 }
 
 TEST(TrackerTest, AStandingRobotNeverFinishesASubmap) {
