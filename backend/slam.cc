@@ -36,7 +36,7 @@ Slam::Slam(const SlamOptions& options, int num_threads, std::shared_ptr<ValueSto
       store_(std::move(store)),
       matcher_(options.matcher, options.mhd, options.refinement),
       reducer_(options.reduction, options.sweep, options.dynamic, options.compact, options.terrain.cell_size),
-      motion_noise_(options.motion),
+      motion_(options.motion),
       wheels_(options.odometry),
       tracker_(options.tracker, options.grid, options.matcher.max_distance, matcher_) {
   CHECK_GE(num_threads, 1);
@@ -124,7 +124,7 @@ ScanResult Slam::AddScan(const LidarSweep& sweep) {
   const auto deskewing = [share](const PlanarVelocity& velocity) {
     return PlanarVelocity{share * velocity.linear, share * velocity.angular};
   };
-  ReducedSweep reduced = reducer_.Reduce(sweep, prediction.pose, deskewing(Velocity()));
+  ReducedSweep reduced = reducer_.Reduce(sweep, prediction.pose, deskewing(motion_.velocity()));
   result.tilt = reduced.tilt;
   result.has_ground = reduced.has_ground;
   result.num_moving = reduced.num_moving;
@@ -181,8 +181,10 @@ bool Slam::AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vect
   const bool is_clean = tracked.insert && IsUsable(tracked.match.verdict);
   if (is_clean && prediction.since_scan) {
     wheels_.Learn(*prediction.since_scan, last_pose.Inverse() * tracked.match.pose, tracked.match.information);
-  } else if (is_clean && scans_.size() > 1) {
-    motion_noise_.Add(last_pose, prediction.pose, tracked.match.pose, tracked.match.information);
+  }
+  if (!is_first) {
+    motion_.Add(WindowPose(scans_.back()), {result.stamp, tracked.match.pose},
+                IsUsable(tracked.match.verdict) ? tracked.match.information : Eigen::Matrix3d::Zero());
   }
   result.match_ms = stopwatch.Lap();
 
@@ -210,31 +212,24 @@ StampedPose Slam::WindowPose(const PosedScan& scan) const {
   return {scan.stamp, window_.Pose(scan.keyframe) * scan.T_keyframe_scan};
 }
 
-SE2 Slam::Predict(double stamp) const {
-  if (scans_.empty()) return SE2();
-  if (scans_.size() == 1) return WindowPose(scans_.back()).pose;
-  return PredictPose(WindowPose(scans_[scans_.size() - 2]), WindowPose(scans_.back()), stamp, options_.motion);
-}
-
 Slam::Prediction Slam::PredictScan(double stamp, const std::optional<SE2>& odometry) const {
-  Prediction prediction{Predict(stamp), PredictionSigma(stamp), scans_.size() > 1, wheels_.SinceScan(odometry),
-                        wheels_.SinceKeyframe(odometry)};
+  const Eigen::Vector3d most = options_.motion.GreatestSigma();
+  Prediction prediction{
+      SE2(), most, most, scans_.size() > 1, wheels_.SinceScan(odometry), wheels_.SinceKeyframe(odometry)};
+  if (!scans_.empty()) {
+    const MotionFilter::Prediction by_motion = motion_.Predict(WindowPose(scans_.back()), stamp);
+    prediction.pose = by_motion.pose;
+    prediction.sigma = by_motion.sigma;
+    // A keyframe's own pose is known to the window; that of a scan in between is not.
+    const bool from_keyframe = scans_.back().T_keyframe_scan.vector().isZero(0.0);
+    prediction.step_sigma = from_keyframe ? by_motion.step_sigma : by_motion.sigma;
+  }
   if (prediction.since_scan) {
     prediction.pose = WindowPose(scans_.back()).pose * prediction.since_scan->motion;
     prediction.sigma = prediction.since_scan->sigma.cwiseMin(options_.motion.GreatestSigma());
     prediction.knows_velocity = true;
   }
   return prediction;
-}
-
-Eigen::Vector3d Slam::PredictionSigma(double stamp) const {
-  if (scans_.size() < 2) return options_.motion.GreatestSigma();
-  return motion_noise_.SigmaAt(scans_[scans_.size() - 2].stamp, scans_.back().stamp, stamp);
-}
-
-PlanarVelocity Slam::Velocity() const {
-  if (scans_.size() < 2) return {};
-  return VelocityBetween(WindowPose(scans_[scans_.size() - 2]), WindowPose(scans_.back()));
 }
 
 SE2 Slam::Smooth(const PlanarScan& scan, const Prediction& prediction, const TrackingResult& tracked) {
@@ -256,7 +251,7 @@ SE2 Slam::Smooth(const PlanarScan& scan, const Prediction& prediction, const Tra
     } else {
       // That a robot stands which may well drive is not worth holding on to.
       const SE2& expected = prediction.knows_velocity ? prediction.pose : tracked.match.pose;
-      Constraint motion{last, id, window_.Pose(last).Inverse() * expected, MotionInformation(prediction.sigma),
+      Constraint motion{last, id, window_.Pose(last).Inverse() * expected, MotionInformation(prediction.step_sigma),
                         Constraint::Kind::kMotion};
       window_.AddConstraint(motion);
       // It was derived from earlier matches. Over the whole run these say more once they are corrected by later ones,

@@ -23,7 +23,7 @@
 #include "core/sensor/lidar_sweep.h"
 #include "core/sensor/stamped_pose.h"
 #include "core/sensor/trajectory3.h"
-#include "frontend/tracking/motion_noise.h"
+#include "frontend/tracking/motion_filter.h"
 #include "frontend/tracking/sweep_duration.h"
 #include "frontend/tracking/sweep_reducer.h"
 #include "frontend/tracking/tracker.h"
@@ -96,7 +96,7 @@ class Slam {
   // What `SaveState` holds.
   template <class Self, class Archive>
   static void VisitState(Self* slam, Archive* archive) {
-    (*archive)(slam->window_, slam->tracker_, slam->reducer_, slam->motion_noise_, slam->duration_estimator_,
+    (*archive)(slam->window_, slam->tracker_, slam->reducer_, slam->motion_, slam->duration_estimator_,
                slam->duration_guess_, slam->duration_);
   }
   // The sizes of all that a state goes with.
@@ -107,7 +107,8 @@ class Slam {
   // Where a scan is taken to be before it is matched.
   struct Prediction {
     SE2 pose;                                // T_odom_base.
-    Eigen::Vector3d sigma;                   // [m, m, rad], its standard deviations.
+    Eigen::Vector3d sigma;                   // [m, m, rad], its standard deviations,
+    Eigen::Vector3d step_sigma;              // and those of the step from the last keyframe.
     bool knows_velocity;                     // False: it takes a robot to stand that may well drive.
     std::optional<OdometryStep> since_scan;  // Of the wheels, on which it then rests.
     std::optional<OdometryStep> since_keyframe;
@@ -123,8 +124,6 @@ class Slam {
   // which it is matched. Returns whether the improved scan was taken for it; `improvement` null: there is none.
   bool AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vector2f>& to_match,
                      const Prediction& prediction, const Improvement* improvement, ScanResult* result);
-  // The planar velocity between the last two scans.
-  PlanarVelocity Velocity() const;
   // Learns from a sweep how long sweeps last.
   void AddToDuration(const LidarSweep& sweep, const ReducedSweep& reduced, const ScanResult& result);
   // Settles how long sweeps last, if they did not tell, and shifts all stamps accordingly.
@@ -132,10 +131,6 @@ class Slam {
 
   // The window's present estimate of a scan's pose, T_odom_base; its keyframe must be in the window.
   StampedPose WindowPose(const PosedScan& scan) const;
-  // The motion model's pose for a scan at `stamp` [s].
-  SE2 Predict(double stamp) const;
-  // Standard deviations [m, m, rad] of that.
-  Eigen::Vector3d PredictionSigma(double stamp) const;
   // Makes the scan a variable of window and graph, with all that was measured about it; returns its smoothed pose.
   SE2 Smooth(const PlanarScan& scan, const Prediction& prediction, const TrackingResult& tracked);
   // Puts the latest keyframe's scan into the active submaps, and new submaps into window and graph.
@@ -150,7 +145,7 @@ class Slam {
   std::shared_ptr<ValueStore> store_;
   Matcher matcher_;
   SweepReducer reducer_;
-  MotionNoise motion_noise_;
+  MotionFilter motion_;
   WheelOdometry wheels_;
   Tracker tracker_;
   SlidingWindow window_;

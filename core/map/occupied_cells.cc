@@ -19,7 +19,9 @@ using Place = Eigen::Matrix<int64_t, 2, 1>;
 
 struct PlaceHash {
   size_t operator()(const Place& place) const {
-    return static_cast<size_t>(place.x() * 0x9E3779B97F4A7C15 + place.y() * 0x632BE59BD9B4E019) >> 7;
+    const auto x = static_cast<uint64_t>(place.x());
+    const auto y = static_cast<uint64_t>(place.y());
+    return static_cast<size_t>((x * 0x9E3779B97F4A7C15u + y * 0x632BE59BD9B4E019u) >> 7);
   }
 };
 

@@ -96,7 +96,7 @@ class Tracker {
   /// likely the prediction. Without submaps the verdict is `kTooFewPoints`.
   /// @param knows_velocity false: `prediction` takes a robot to stand that may well drive, as at a run's second scan;
   ///                       it is searched for in all of the wide translation, without preferring to stand.
-  /// @param sigma          standard deviations [m, m, rad] of the prediction, see `MotionNoise`: the first search goes
+  /// @param sigma          standard deviations [m, m, rad] of the prediction, see `MotionFilter`: the first search goes
   ///                       no farther than needed.
   /// @param by_wheels      `prediction` is measured. Then the second search goes around it as well, and no farther than
   ///                       the near window's greatest size, growing as above: farther off, only another place would
