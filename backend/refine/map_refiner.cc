@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <set>
 
 #include "core/config/validation.h"
-#include "core/map/occupied_cells.h"
 #include "core/parallel.h"
 
 namespace arborslam {
@@ -32,36 +32,59 @@ MapRefiner::MapRefiner(const MapRefinementOptions& options, const OccupancyGridO
 
 PoseGraph MapRefiner::Remeasure(const PoseGraph& graph, const std::vector<Keyframe>& keyframes,
                                 std::vector<Submap>* submaps, int num_threads) const {
-  // By submap: what its own keyframes and what other ones measured.
-  std::vector<std::vector<Constraint>> own(submaps->size());
+  const auto measure = [&](const MatchTarget& target, const Submap& submap, const Keyframe& keyframe,
+                           Constraint::Kind kind) -> std::optional<Constraint> {
+    // A spoilt scan may lie where only the motion model put it, too far off to refine from there: its place is
+    // searched for in the maps of its own time.
+    const bool is_of_this_time = submap.keyframes.front() < keyframe.id && keyframe.id < submap.keyframes.back();
+    const SE2 initial = graph.Pose(submap.id).Inverse() * graph.Pose(keyframe.id);
+    const std::shared_ptr<const PlanarScan> scan = keyframe.scan.Get();
+    const MatchResult match = !keyframe.is_inserted && is_of_this_time
+                                  ? matcher_.Match(target, scan->points, initial, kSpoiltWindow)
+                                  : matcher_.MatchNear(target, scan->points, initial);
+    if (!IsUsable(match.verdict)) return std::nullopt;
+    return Constraint{submap.id, keyframe.id, match.pose, match.information, kind};
+  };
+  const auto is_own = [](const Submap& submap, KeyframeId id) {
+    return std::binary_search(submap.keyframes.begin(), submap.keyframes.end(), id);
+  };
   std::vector<std::vector<Constraint>> foreign(submaps->size());
   ParallelFor(submaps->size(), num_threads, [&](size_t i) {
     Submap& submap = (*submaps)[i];
     const SE2 T_submap_map = graph.Pose(submap.id).Inverse();
-    std::vector<InsertedScan> members;
+    OccupancyGrid grid(grid_options_);
     for (const KeyframeId id : submap.keyframes) {
-      members.push_back({T_submap_map * graph.Pose(id), keyframes[static_cast<size_t>(id.value)].scan.Get()});
+      grid.Insert(T_submap_map * graph.Pose(id), *keyframes[static_cast<size_t>(id.value)].scan.Get());
     }
-    submap.cells = submap.cells.Replaced(OccupiedCellsOf(members, grid_options_, min_log_odds_));
+    submap.cells = submap.cells.Replaced(grid.OccupiedCells(min_log_odds_));
     const MatchTarget target(*submap.cells.Get(), grid_options_.cell_size, max_distance_);
     for (const Keyframe& keyframe : keyframes) {
-      const SE2& T_map_keyframe = graph.Pose(keyframe.id);
+      if (is_own(submap, keyframe.id)) continue;
+      const Eigen::Vector2d& position = graph.Pose(keyframe.id).translation();
       const bool near = std::any_of(submap.keyframes.begin(), submap.keyframes.end(), [&](KeyframeId member) {
-        return (graph.Pose(member).translation() - T_map_keyframe.translation()).norm() <= options_.radius;
+        return (graph.Pose(member).translation() - position).norm() <= options_.radius;
       });
       if (!near) continue;
-      // A spoilt scan may lie where only the motion model put it, too far off to refine from there: its place is
-      // searched for in the maps of its own time.
-      const bool is_of_this_time = submap.keyframes.front() < keyframe.id && keyframe.id < submap.keyframes.back();
-      const SE2 initial = T_submap_map * T_map_keyframe;
-      const std::shared_ptr<const PlanarScan> scan = keyframe.scan.Get();
-      const MatchResult match = !keyframe.is_inserted && is_of_this_time
-                                    ? matcher_.Match(target, scan->points, initial, kSpoiltWindow)
-                                    : matcher_.MatchNear(target, scan->points, initial);
-      if (!IsUsable(match.verdict)) continue;
-      const bool is_own = std::binary_search(submap.keyframes.begin(), submap.keyframes.end(), keyframe.id);
-      (is_own ? own : foreign)[i].push_back({submap.id, keyframe.id, match.pose, match.information,
-                                             is_own ? Constraint::Kind::kSubmap : Constraint::Kind::kLoop});
+      const std::optional<Constraint> measured = measure(target, submap, keyframe, Constraint::Kind::kLoop);
+      if (measured) foreign[i].push_back(*measured);
+    }
+  });
+  std::set<NodeId> seen_by_others;
+  for (const auto& of_submap : foreign) {
+    for (const Constraint& constraint : of_submap) seen_by_others.insert(constraint.to);
+  }
+  // A scan that is part of a map matches it where it already lies, which would hold every pose where it is. So a
+  // submap's own keyframes count only where no other submap has seen them.
+  std::vector<std::vector<Constraint>> own(submaps->size());
+  ParallelFor(submaps->size(), num_threads, [&](size_t i) {
+    const Submap& submap = (*submaps)[i];
+    std::optional<MatchTarget> target;
+    for (const KeyframeId id : submap.keyframes) {
+      if (seen_by_others.count(id) > 0) continue;
+      if (!target) target.emplace(*submap.cells.Get(), grid_options_.cell_size, max_distance_);
+      const std::optional<Constraint> measured =
+          measure(*target, submap, keyframes[static_cast<size_t>(id.value)], Constraint::Kind::kSubmap);
+      if (measured) own[i].push_back(*measured);
     }
   });
 
@@ -70,18 +93,9 @@ PoseGraph MapRefiner::Remeasure(const PoseGraph& graph, const std::vector<Keyfra
   for (const Constraint& constraint : graph.constraints()) {
     if (constraint.kind == Constraint::Kind::kMotion) refined.AddConstraint(constraint);
   }
-  // A scan that is part of a map matches it where it already lies, which would hold every pose where it is. So a
-  // submap's own keyframes count only where no other submap has seen them.
-  std::set<NodeId> seen_by_others;
-  for (const auto& of_submap : foreign) {
-    for (const Constraint& constraint : of_submap) {
-      refined.AddConstraint(constraint);
-      seen_by_others.insert(constraint.to);
-    }
-  }
-  for (const auto& of_submap : own) {
-    for (const Constraint& constraint : of_submap) {
-      if (seen_by_others.count(constraint.to) == 0) refined.AddConstraint(constraint);
+  for (const auto* measured : {&foreign, &own}) {
+    for (const auto& of_submap : *measured) {
+      for (const Constraint& constraint : of_submap) refined.AddConstraint(constraint);
     }
   }
   return refined;
