@@ -23,6 +23,7 @@ constexpr double kGate = 9.0;
 constexpr double kScatterShare = 0.1;  // Of the latest error, in the mean of the last few.
 constexpr double kMostScatter = 4.0;   // Of one error.
 constexpr double kLeastScatter = 0.04;
+constexpr double kHardlyKnown = 0.25;  // Of the greatest variance: what a match claims no more than this of.
 
 Eigen::Vector3d Counting(const Eigen::Vector3d& scatter) { return scatter.cwiseMax(kLeastScatter).cwiseMin(1.0); }
 
@@ -103,6 +104,9 @@ void MotionFilter::Add(const StampedPose& last, const StampedPose& matched, cons
   if (can_tell) {
     covariance_ *= Learn(error, covariance_.diagonal().head<3>(), measured);
     measured = measured.cwiseProduct(Counting(scatter_)).eval();
+  } else {
+    // Nothing else tells how fast the robot is: where the match found it counts, though it hardly knows it.
+    measured = (measured.array() > kHardlyKnown * most.array().square()).select(0.0, measured).eval();
   }
   const Eigen::Matrix3d total = covariance_.topLeftCorner<3, 3>() + Eigen::Matrix3d(measured.asDiagonal());
   const Eigen::Matrix<double, 6, 3> gain = covariance_.leftCols<3>() * total.inverse();

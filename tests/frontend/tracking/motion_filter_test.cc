@@ -147,6 +147,16 @@ TEST(MotionFilterTest, DirectionsThatAreNotMeasuredKeepTheirCourse) {
   EXPECT_NEAR(drive.filter.velocity().linear.y(), 0.0, 0.1);
 }
 
+// As on a street between parallel walls: the first step that is found is all that tells the speed.
+TEST(MotionFilterTest, TheFirstStepTellsTheVelocityThoughItIsHardlyKnown) {
+  Drive drive;
+  const Eigen::Matrix3d across = Eigen::Vector3d(0.0, 4e4, 2e5).asDiagonal();
+  drive.Go(SE2(0.75, 0.0, 0.0), SE2(), across);
+  EXPECT_NEAR(drive.filter.velocity().linear.x(), 7.5, 0.1);
+  for (int i = 0; i < 10; ++i) drive.Go(SE2(0.75, 0.0, 0.0), SE2(), across);
+  EXPECT_NEAR(drive.filter.velocity().linear.x(), 7.5, 0.1);
+}
+
 TEST(MotionFilterTest, SigmaIsBoundedByInertiaAndTheOptions) {
   MotionOptions options;
   options.translation_sigma = 0.2;
