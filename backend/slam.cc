@@ -183,7 +183,7 @@ bool Slam::AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vect
     wheels_.Learn(*prediction.since_scan, last_pose.Inverse() * tracked.match.pose, tracked.match.information);
   }
   if (!is_first) {
-    motion_.Add(WindowPose(scans_.back()), {result.stamp, tracked.match.pose},
+    motion_.Add({scans_.back().stamp, last_pose}, {result.stamp, tracked.match.pose},
                 IsUsable(tracked.match.verdict) ? tracked.match.information : Eigen::Matrix3d::Zero());
   }
   result.match_ms = stopwatch.Lap();

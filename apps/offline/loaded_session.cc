@@ -1,7 +1,5 @@
 #include "apps/offline/loaded_session.h"
 
-#include <utility>
-
 #include "backend/store/session_reader.h"
 #include "core/config/config_schema.h"
 
@@ -16,11 +14,13 @@ OfflineOptions SessionOptions(const std::string& config, const std::string& path
   return options;
 }
 
-LoadedSession LoadSession(const std::string& path, std::shared_ptr<ValueStore> store) {
+LoadedSession LoadSession(const std::string& path) {
+  return LoadSession(path, MakeStore(SessionOptions(ReadSessionSummary(path).config, path).memory));
+}
+
+LoadedSession LoadSession(const std::string& path, const std::shared_ptr<ValueStore>& store) {
   const OfflineOptions options = SessionOptions(ReadSessionSummary(path).config, path);
-  if (store == nullptr) store = MakeStore(options.memory);
-  SessionContents contents = Completed(ReadSession(path, store), options.slam, path);
-  return {options, std::move(store), std::move(contents)};
+  return {options, Completed(ReadSession(path, store), options.slam, path)};
 }
 
 }  // namespace arborslam

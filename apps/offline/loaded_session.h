@@ -15,13 +15,14 @@ OfflineOptions SessionOptions(const std::string& config, const std::string& path
 /// A session with its options.
 struct LoadedSession {
   OfflineOptions options;
-  std::shared_ptr<ValueStore> store;  ///< Of the scans and submaps.
-  SessionContents contents;           ///< `Completed`.
+  SessionContents contents;  ///< `Completed`.
 };
 
-/// Reads the session at `path`; throws `UserError`.
-/// @param store of its scans and submaps; null: one as its own options have it.
-LoadedSession LoadSession(const std::string& path, std::shared_ptr<ValueStore> store = nullptr);
+/// Reads the session at `path`, with a store of its scans and submaps as its own options have it; throws `UserError`.
+LoadedSession LoadSession(const std::string& path);
+
+/// The same with another store; null: scans and submaps are kept in memory.
+LoadedSession LoadSession(const std::string& path, const std::shared_ptr<ValueStore>& store);
 
 }  // namespace arborslam
 

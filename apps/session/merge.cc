@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <iostream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
@@ -15,6 +16,7 @@
 #include "apps/session/session_outputs.h"
 #include "backend/merge/known_scans.h"
 #include "backend/merge/session_merger.h"
+#include "backend/store/session_reader.h"
 #include "backend/store/session_writer.h"
 #include "core/config/config_schema.h"
 #include "core/error.h"
@@ -59,10 +61,11 @@ void RequireOtherRecordings(const NamedSession& first, const NamedSession& other
   }
 }
 
-std::vector<NamedSession> LoadSessions(const std::vector<std::string>& paths) {
+std::vector<NamedSession> LoadSessions(const std::vector<std::string>& paths,
+                                       const std::shared_ptr<ValueStore>& store) {
   std::vector<NamedSession> sessions;
   for (const std::string& path : paths) {
-    NamedSession session{path, LoadSession(path, sessions.empty() ? nullptr : sessions.front().session.store)};
+    NamedSession session{path, LoadSession(path, store)};
     if (session.session.contents.keyframes.empty()) {
       throw UserError(path, "holds no keyframes yet", "leave it out, or map its recording first");
     }
@@ -109,8 +112,7 @@ int SessionMerge(const std::vector<std::string>& paths, const std::string& folde
   if (paths.size() < 2) {
     throw UsageError("--session has " + std::to_string(paths.size()) + " file, but merge needs at least two");
   }
-  const std::vector<NamedSession> sessions = LoadSessions(paths);
-  OfflineOptions options = sessions.front().session.options;
+  OfflineOptions options = SessionOptions(ReadSessionSummary(paths.front()).config, paths.front());
   PlaceOptions place;
   MergeOptions merge;
   ConfigSchema schema;
@@ -120,6 +122,7 @@ int SessionMerge(const std::vector<std::string>& paths, const std::string& folde
   with_merge.AddSection("merge", &merge);
   for (const std::string& assignment : assignments) with_merge.ApplyOverride(assignment);
   with_merge.ValidateAll();
+  const std::vector<NamedSession> sessions = LoadSessions(paths, MakeStore(options.memory));
 
   SessionMerger merger(options.slam, place, merge, std::max(1, static_cast<int>(std::thread::hardware_concurrency())),
                        sessions.front().session.contents);
@@ -129,7 +132,7 @@ int SessionMerge(const std::vector<std::string>& paths, const std::string& folde
   names.emplace_back(kSessionFile);
   const std::filesystem::path folder = PrepareOutputFolder(folder_name, names, paths);
   const MergeSolution solution = merger.Finish();
-  LoadedSession merged{options, sessions.front().session.store, merger.merged()};
+  LoadedSession merged{options, merger.merged()};
   merged.contents.config = schema.ToYaml();
   WriteSession((folder / kSessionFile).string(), merged.contents);
   WriteSessionOutputs(folder, merged);

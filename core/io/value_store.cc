@@ -122,7 +122,7 @@ void ValueStore::Fail(const char* what) const {
   throw UserError(folder_.empty() ? "." : folder_,
                   std::string("the file of what memory.max_size leaves no room for cannot be ") + what + " (" +
                       std::strerror(errno) + ")",
-                  "free space there, or raise memory.max_size");
+                  "free space there, let TMPDIR name another folder, or raise memory.max_size");
 }
 
 }  // namespace arborslam
