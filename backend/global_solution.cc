@@ -1,25 +1,94 @@
 #include "backend/global_solution.h"
 
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "backend/loop/drifted_loops.h"
 #include "backend/refine/map_refiner.h"
 #include "core/stopwatch.h"
 
 namespace arborslam {
+namespace {
+
+// Searches for loops that follow on each other: what was too far off is near once its neighbours are closed.
+constexpr int kMaxSearches = 20;
+
+using LoopsByPair = std::map<std::pair<SubmapId, KeyframeId>, LoopCandidate>;
+
+std::vector<LoopCandidate> ValuesOf(const LoopsByPair& by_pair) {
+  std::vector<LoopCandidate> loops;
+  loops.reserve(by_pair.size());
+  for (const auto& [pair, loop] : by_pair) loops.push_back(loop);
+  return loops;
+}
+
+size_t NumAccepted(const LoopsByPair& by_pair) {
+  return static_cast<size_t>(
+      std::count_if(by_pair.begin(), by_pair.end(), [](const auto& entry) { return entry.second.accepted; }));
+}
+
+// Adds to the graph and to `by_pair` what a search found; returns true if any of it was accepted.
+bool AddLoops(std::vector<LoopCandidate> loops, PoseGraph* graph, LoopsByPair* by_pair) {
+  bool has_accepted = false;
+  for (LoopCandidate& loop : loops) {
+    LoopCandidate& known = (*by_pair)[{loop.submap, loop.keyframe}];
+    if (known.accepted) continue;
+    if (loop.accepted) {
+      graph->AddConstraint(
+          {loop.submap, loop.keyframe, loop.match.pose, loop.match.information, Constraint::Kind::kLoop});
+      has_accepted = true;
+    }
+    known = std::move(loop);
+  }
+  return has_accepted;
+}
+
+void RefuseDropped(const PoseGraphSummary& optimization, LoopsByPair* by_pair) {
+  for (const Constraint& dropped : optimization.dropped_loops) {
+    // Of a merged map, loops of the sessions by themselves may be among them.
+    const auto loop = by_pair->find({SubmapId{dropped.from.value}, KeyframeId{dropped.to.value}});
+    if (loop == by_pair->end()) continue;
+    loop->second.accepted = false;
+    loop->second.reason = kContradictsOthers;
+  }
+}
+
+void CloseLoops(const SlamOptions& options, const Matcher& matcher, int num_threads,
+                const std::vector<Keyframe>& keyframes, const std::vector<Submap>& submaps, PoseGraph* graph,
+                GlobalSolution* solution) {
+  const LoopCloser closer(options.loop, options.matcher, matcher, options.grid.cell_size);
+  const DriftedLoopFinder drifted(options.loop, options.place, options.matcher, matcher, options.grid.cell_size);
+  LoopsByPair by_pair;
+  Stopwatch stopwatch;
+  bool is_near = true;  // The next search is that of the closer.
+  for (int search = 0; search < kMaxSearches; ++search) {
+    const size_t num_before = NumAccepted(by_pair);
+    std::vector<LoopCandidate> found = is_near
+                                           ? closer.FindAll(*graph, keyframes, submaps, ValuesOf(by_pair), num_threads)
+                                           : drifted.FindAll(*graph, keyframes, submaps, num_threads);
+    const bool has_accepted = AddLoops(std::move(found), graph, &by_pair);
+    solution->loop_ms += stopwatch.Lap();
+    ++solution->num_loop_searches;
+    if (search == 0 || has_accepted) {
+      solution->loop_optimization = graph->Optimize(options.graph, num_threads);
+      RefuseDropped(solution->loop_optimization, &by_pair);
+      solution->optimize_ms += stopwatch.Lap();
+    }
+    const bool has_grown = NumAccepted(by_pair) > num_before;
+    if (!is_near && !has_grown) break;
+    is_near = has_grown;
+  }
+  solution->loops = ValuesOf(by_pair);
+}
+
+}  // namespace
 
 GlobalSolution SolveGlobally(const SlamOptions& options, const Matcher& matcher, int num_threads,
                              const std::vector<Keyframe>& keyframes, PoseGraph* graph, std::vector<Submap>* submaps) {
   GlobalSolution solution;
+  CloseLoops(options, matcher, num_threads, keyframes, *submaps, graph, &solution);
   Stopwatch stopwatch;
-  const LoopCloser closer(options.loop, options.matcher, matcher, options.grid.cell_size);
-  solution.loops = closer.FindAll(*graph, keyframes, *submaps, num_threads);
-  for (const LoopCandidate& loop : solution.loops) {
-    if (!loop.accepted) continue;
-    graph->AddConstraint(
-        {loop.submap, loop.keyframe, loop.match.pose, loop.match.information, Constraint::Kind::kLoop});
-  }
-  solution.loop_ms = stopwatch.Lap();
-  solution.loop_optimization = graph->Optimize(options.graph, num_threads);
-  solution.optimize_ms = stopwatch.Lap();
-
   const MapRefiner refiner(options.map_refinement, options.grid, options.tracker.min_occupancy,
                            options.matcher.max_distance, matcher);
   for (int pass = 0; pass < options.map_refinement.num_passes; ++pass) {

@@ -1,6 +1,7 @@
 #ifndef ARBORSLAM_BACKEND_GLOBAL_SOLUTION_H_
 #define ARBORSLAM_BACKEND_GLOBAL_SOLUTION_H_
 
+#include <cstddef>
 #include <vector>
 
 #include "backend/graph/pose_graph.h"
@@ -14,8 +15,10 @@ namespace arborslam {
 
 /// How a map was made consistent.
 struct GlobalSolution {
-  std::vector<LoopCandidate> loops;  ///< Every pair that was tried.
-  PoseGraphSummary loop_optimization;
+  /// Every pair that was tried, as it was tried last; accepted are those that the last solution holds.
+  std::vector<LoopCandidate> loops;
+  size_t num_loop_searches = 0;               ///< Near and after drift, until no more are found.
+  PoseGraphSummary loop_optimization;         ///< The last of these.
   std::vector<PoseGraphSummary> refinements;  ///< One per pass.
   // [ms]
   double loop_ms = 0.0;      ///< Search for loops.

@@ -5,6 +5,7 @@
 
 #include "backend/graph/pose_graph.h"
 #include "backend/loop/loop_closer.h"
+#include "backend/loop/place_recognizer.h"
 #include "backend/refine/map_refiner.h"
 #include "backend/terrain/terrain_smoother.h"
 #include "core/map/occupancy_grid.h"
@@ -49,6 +50,7 @@ struct SlamOptions {
   TrackerOptions tracker;
   WindowOptions window;
   LoopOptions loop;
+  PlaceOptions place;
   PoseGraphOptions graph;
   MapRefinementOptions map_refinement;
   TerrainOptions terrain;
@@ -70,6 +72,7 @@ struct SlamOptions {
     visit("tracker", tracker);
     visit("window", window);
     visit("loop", loop);
+    visit("place", place);
     visit("graph", graph);
     visit("map_refinement", map_refinement);
     visit("terrain", terrain);

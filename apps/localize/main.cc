@@ -53,7 +53,7 @@ the robot counts as located once several scans agree. When it is lost, that is r
   --output DIR           created if it does not exist
   --initial_pose X,Y,THETA
                          [m, m, rad] of the first scan in the map's frame, to about a metre, if it is known
-  --config FILE.yaml     options over the session's own; besides its sections there are 'place' and 'localization'
+  --config FILE.yaml     options over the session's own; besides its sections there is 'localization'
   --set SECTION.KEY=VALUE ...
                          one option each, after the file's
   --ground_truth FILE    TUM file or .npz with gnss_rotated_c; reported against, never used
@@ -204,11 +204,9 @@ int Run(const MultiFlags& multi_flags) {
   CheckFlags();
   const std::optional<SE2> initial_pose = InitialPose();
   OfflineOptions options;
-  PlaceOptions place;
   LocalizerOptions localization;
   ConfigSchema schema;
   options.VisitSections([&schema](const std::string& name, auto& section) { schema.AddSection(name, &section); });
-  schema.AddSection("place", &place);
   schema.AddSection("localization", &localization);
   schema.LoadYaml(ReadSessionSummary(FLAGS_session).config, FLAGS_session + ", options");
   const SlamOptions session_options = options.slam;
@@ -230,7 +228,7 @@ int Run(const MultiFlags& multi_flags) {
   }
 
   const bool map_is_spatial = IsSpatial(session);
-  Localizer localizer(options.slam, place, localization, session.graph, session.keyframes, session.submaps,
+  Localizer localizer(options.slam, localization, session.graph, session.keyframes, session.submaps,
                       initial_pose, store);
   const std::vector<LocalizationResult> results = Localize(source.get(), map_is_spatial, &localizer);
   if (results.empty()) throw UserError(FLAGS_input, "holds no scans", "nothing was written");

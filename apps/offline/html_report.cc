@@ -344,9 +344,9 @@ class LoopTable {
     for (size_t i = 0; i < input.record.scans.size(); ++i) {
       if (input.record.scans[i].is_keyframe) scan_of_keyframe_.push_back(i);
     }
-    const FinishResult& finish = input.record.finish;
-    AddDropped(finish.loop_optimization);
-    for (const PoseGraphSummary& pass : finish.refinements) AddDropped(pass);
+    for (const PoseGraphSummary& pass : input.record.finish.refinements) {
+      for (const Constraint& loop : pass.dropped_loops) dropped_.emplace(loop.from.value, loop.to.value);
+    }
   }
 
   // Rows [scan, keyframe, submap, state, reason, score_um, inliers_permille, second_um, x, y, x, y]; the state is
@@ -358,8 +358,9 @@ class LoopTable {
       const std::optional<Eigen::Vector2d> from = Position(loop.keyframe);
       const std::optional<Eigen::Vector2d> to = from ? NearestIn(loop.submap, *from) : std::nullopt;
       if (!to) continue;
-      const bool is_dropped = loop.accepted && dropped_.count({loop.submap.value, loop.keyframe.value}) > 0;
-      const std::string reason = is_dropped ? "contradicts the others" : loop.reason;
+      const bool is_dropped = loop.reason == kContradictsOthers ||
+                              (loop.accepted && dropped_.count({loop.submap.value, loop.keyframe.value}) > 0);
+      const std::string reason = is_dropped ? kContradictsOthers : loop.reason;
       const char* state = is_dropped ? "dropped" : loop.accepted ? "accepted" : "refused";
       rows.push_back({Scan(loop.keyframe), loop.keyframe.value, loop.submap.value, state, texts->IndexOf(reason),
                       Rounded(loop.match.score, 1e-6), Rounded(loop.match.inlier_ratio, 1e-3),
@@ -380,10 +381,6 @@ class LoopTable {
   }
 
  private:
-  void AddDropped(const PoseGraphSummary& summary) {
-    for (const Constraint& loop : summary.dropped_loops) dropped_.emplace(loop.from.value, loop.to.value);
-  }
-
   size_t Scan(KeyframeId id) const { return scan_of_keyframe_[static_cast<size_t>(id.value)]; }
 
   std::optional<Eigen::Vector2d> Position(KeyframeId id) const {
@@ -408,7 +405,7 @@ class LoopTable {
   const ReportInput& input_;
   const ScanColumns& scans_;
   std::vector<size_t> scan_of_keyframe_;
-  std::set<std::pair<int, int>> dropped_;  // Submap, keyframe.
+  std::set<std::pair<int, int>> dropped_;  // Submap, keyframe; by refinement passes.
 };
 
 // JSON for a script element: no '<' in it can end the element or begin a comment.

@@ -6,12 +6,12 @@
 
 namespace arborslam {
 
-JointMap Join(const SlamOptions& options, const PlaceOptions& place, const MergeOptions& merge, int num_threads,
+JointMap Join(const SlamOptions& options, const MergeOptions& merge, int num_threads,
               const std::string& path, SessionContents map, const SessionContents& recording) {
   JointMap joint;
   joint.record.session = path;
   Stopwatch stopwatch;
-  SessionMerger merger(options, place, merge, num_threads, std::move(map));
+  SessionMerger merger(options, merge, num_threads, std::move(map));
   joint.record.votes = merger.Add(recording);
   joint.record.place_ms = stopwatch.Lap();
   if (!joint.record.votes.reason.empty()) return joint;

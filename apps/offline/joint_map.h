@@ -4,7 +4,6 @@
 #include <optional>
 #include <string>
 
-#include "backend/loop/place_recognizer.h"
 #include "backend/merge/place_votes.h"
 #include "backend/merge/session_merger.h"
 #include "backend/slam_options.h"
@@ -29,7 +28,7 @@ struct JointMap {
 /// Makes one map of a session's and of a recording's, in the frame of the first, as `SessionMerger` does.
 /// @param map       `Completed`; `path` is its file.
 /// @param recording finished, made with the same `options`, of the same kind of lidar.
-JointMap Join(const SlamOptions& options, const PlaceOptions& place, const MergeOptions& merge, int num_threads,
+JointMap Join(const SlamOptions& options, const MergeOptions& merge, int num_threads,
               const std::string& path, SessionContents map, const SessionContents& recording);
 
 /// What became of it, in one line.

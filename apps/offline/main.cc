@@ -31,7 +31,6 @@
 #include "apps/offline/run_results.h"
 #include "apps/offline/second_pass.h"
 #include "apps/offline/summary.h"
-#include "backend/loop/place_recognizer.h"
 #include "backend/merge/known_scans.h"
 #include "backend/merge/place_votes.h"
 #include "backend/slam.h"
@@ -76,7 +75,7 @@ and options give the same results, bit by bit, for any number of threads.
                          is mapped by itself, placed in the session's map and solved together with it: the trajectory
                          is then in the session's frame; map, graph.g2o and session.db are of both. If it finds no
                          certain place, the results are of it alone (exit code 1). FILE.db stays as it is, unless it is
-                         DIR/session.db. --set also takes the sections 'merge' and 'place'
+                         DIR/session.db. --set also takes the section 'merge'
   --config FILE.yaml     options; config/default.yaml lists them all; with --session, those of the session come first
   --set SECTION.KEY=VALUE ...
                          one option each, after the file's
@@ -339,7 +338,7 @@ void RefineMaps(const OfflineOptions& options, RunRecord* record, RunResults* re
 std::string TrackingConfig(OfflineOptions options) {
   ConfigSchema schema;
   options.VisitSections([&schema](const std::string& name, auto& section) {
-    for (const char* last : {"loop", "graph", "map_refinement", "map", "cloud", "memory"}) {
+    for (const char* last : {"loop", "place", "graph", "map_refinement", "map", "cloud", "memory"}) {
       if (name == last) return;
     }
     schema.AddSection(name, &section);
@@ -374,13 +373,11 @@ std::string KeepJointSession(const std::filesystem::path& folder, const SessionC
 int Run(const MultiFlags& multi_flags) {
   CheckFlags();
   OfflineOptions options;
-  PlaceOptions place;
   MergeOptions merge;
   ConfigSchema session_schema;
   options.VisitSections([&](const std::string& name, auto& section) { session_schema.AddSection(name, &section); });
   ConfigSchema schema = session_schema;
   if (!FLAGS_session.empty()) {
-    schema.AddSection("place", &place);
     schema.AddSection("merge", &merge);
     schema.LoadYaml(ReadSessionSummary(FLAGS_session).config, FLAGS_session + ", options");
   }
@@ -449,7 +446,7 @@ int Run(const MultiFlags& multi_flags) {
   JointMap joint;
   // A part of a recording is not placed: the rest could not follow.
   if (is_new && !record.is_interrupted) {
-    joint = Join(options.slam, place, merge, record.num_threads, FLAGS_session, std::move(*known.map),
+    joint = Join(options.slam, merge, record.num_threads, FLAGS_session, std::move(*known.map),
                  ReadSession(session_path, store));
     record.join = joint.record;
   }

@@ -119,7 +119,8 @@ std::string SummaryJson(const RunRecord& record) {
                           {"inlier_ratio", loop.match.inlier_ratio},
                           {"second_best_mhd_m", loop.match.second_score}});
   }
-  summary["loops"] = {{"tried", record.finish.loops.size()},
+  summary["loops"] = {{"searches", record.finish.num_loop_searches},
+                      {"tried", record.finish.loops.size()},
                       {"accepted", counts.loops_accepted},
                       {"refused", refused},
                       {"optimization", Optimization(record.finish.loop_optimization)}};

@@ -32,7 +32,7 @@ Works on the session.db that arborslam_offline writes.
                               how they lie to each other need not be known. All must be of one kind of lidar and made
                               with the same options. Writes session.db, which all programs take (further recordings:
                               arborslam_offline --session), and what export writes. --set: options over those of the
-                              sessions; there are also sections 'merge' and 'place'. When a session has no certain
+                              sessions; there is also a section 'merge'. When a session has no certain
                               place among those before it, nothing is written (exit code 1)
   verify --session FILE.db    reads all of it; one line says that it is whole or what is wrong (exit code 1)
   migrate --session FILE.db   brings a session of an older format to the present one

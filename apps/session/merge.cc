@@ -100,9 +100,12 @@ void AddAll(const std::vector<NamedSession>& sessions, SessionMerger* merger) {
 }
 
 std::string LoopsText(const MergeSolution& solution) {
+  const auto num_dropped = std::count_if(solution.loops.begin(), solution.loops.end(), [](const LoopCandidate& loop) {
+    return loop.reason == kContradictsOthers;
+  });
   return "loops across sessions: " + std::to_string(solution.num_cross_accepted) + " accepted of " +
-         std::to_string(solution.num_cross_tried) + " tried; of all loops " +
-         std::to_string(solution.loop_optimization.dropped_loops.size()) + " were dropped\n";
+         std::to_string(solution.num_cross_tried) + " tried; of all loops " + std::to_string(num_dropped) +
+         " contradict the others and were dropped\n";
 }
 
 }  // namespace
@@ -113,18 +116,16 @@ int SessionMerge(const std::vector<std::string>& paths, const std::string& folde
     throw UsageError("--session has " + std::to_string(paths.size()) + " file, but merge needs at least two");
   }
   OfflineOptions options = SessionOptions(ReadSessionSummary(paths.front()).config, paths.front());
-  PlaceOptions place;
   MergeOptions merge;
   ConfigSchema schema;
   options.VisitSections([&schema](const std::string& name, auto& section) { schema.AddSection(name, &section); });
   ConfigSchema with_merge = schema;
-  with_merge.AddSection("place", &place);
   with_merge.AddSection("merge", &merge);
   for (const std::string& assignment : assignments) with_merge.ApplyOverride(assignment);
   with_merge.ValidateAll();
   const std::vector<NamedSession> sessions = LoadSessions(paths, MakeStore(options.memory));
 
-  SessionMerger merger(options.slam, place, merge, std::max(1, static_cast<int>(std::thread::hardware_concurrency())),
+  SessionMerger merger(options.slam, merge, std::max(1, static_cast<int>(std::thread::hardware_concurrency())),
                        sessions.front().session.contents);
   AddAll(sessions, &merger);
 

@@ -60,17 +60,16 @@ const char* ToString(LocalizationState state) {
   return "unknown";
 }
 
-Localizer::Localizer(const SlamOptions& options, const PlaceOptions& place, const LocalizerOptions& localizer,
+Localizer::Localizer(const SlamOptions& options, const LocalizerOptions& localizer,
                      const PoseGraph& graph, const std::vector<Keyframe>& keyframes, const std::vector<Submap>& submaps,
                      const std::optional<SE2>& initial_pose, std::shared_ptr<ValueStore> store)
     : slam_options_(EveryScanAKeyframe(options)),
-      place_options_(place),
       options_(localizer),
       graph_(graph),
       keyframes_(keyframes),
       submaps_(submaps),
       matcher_(options.matcher, options.mhd, options.refinement),
-      recognizer_(place, matcher_, options.matcher.max_second_ratio, graph, keyframes, submaps),
+      recognizer_(options.place, matcher_, options.matcher.max_second_ratio, graph, keyframes, submaps),
       targets_(submaps, options.grid.cell_size, options.matcher.max_distance, kNumTargets),
       store_(std::move(store)),
       odometry_(std::make_unique<Slam>(slam_options_, 1, store_)),
@@ -93,7 +92,7 @@ LocalizationResult Localizer::Add(const AnyScan& scan) {
   const std::vector<Eigen::Vector2f>& points = planar->points;
   if (initial_pose_) {
     const MatchResult match =
-        MatchInMap(points, *initial_pose_, place_options_.search_translation, place_options_.search_rotation);
+        MatchInMap(points, *initial_pose_, slam_options_.place.search_translation, slam_options_.place.search_rotation);
     initial_pose_.reset();
     if (IsFound(match)) {
       T_map_odom_ = match.pose * result.odometry.T_odom_base.Inverse();
@@ -123,8 +122,8 @@ void Localizer::TrackInMap(const std::vector<Eigen::Vector2f>& points, Localizat
   const bool is_sure = num_misses_ == 0 && num_odometry_misses_ == 0;
   const SE2 prediction = result->T_map_base;
   result->match =
-      MatchInMap(points, prediction, is_sure ? options_.search_translation : place_options_.search_translation,
-                 is_sure ? options_.search_rotation : place_options_.search_rotation);
+      MatchInMap(points, prediction, is_sure ? options_.search_translation : slam_options_.place.search_translation,
+                 is_sure ? options_.search_rotation : slam_options_.place.search_rotation);
   result->reason = RefusalReason(result->match, options_.max_score, options_.min_overlap);
   if (result->reason.empty()) {
     result->is_measured = true;

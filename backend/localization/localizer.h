@@ -81,7 +81,7 @@ class Localizer {
   /// @param store        takes care of the odometry's scans and submaps; null: they are kept in memory.
   /// @param initial_pose T_map_base of the first scan, to about `PlaceOptions::search_translation` and
   ///                     `search_rotation`, if known. It is tried first; a wrong one is found out and given up.
-  Localizer(const SlamOptions& options, const PlaceOptions& place, const LocalizerOptions& localizer,
+  Localizer(const SlamOptions& options, const LocalizerOptions& localizer,
             const PoseGraph& graph, const std::vector<Keyframe>& keyframes, const std::vector<Submap>& submaps,
             const std::optional<SE2>& initial_pose, std::shared_ptr<ValueStore> store = nullptr);
 
@@ -108,7 +108,6 @@ class Localizer {
   void RestartOdometry();
 
   SlamOptions slam_options_;
-  PlaceOptions place_options_;
   LocalizerOptions options_;
   const PoseGraph& graph_;
   const std::vector<Keyframe>& keyframes_;

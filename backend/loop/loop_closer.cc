@@ -1,6 +1,6 @@
 #include "backend/loop/loop_closer.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,7 +17,7 @@
 namespace arborslam {
 namespace {
 
-// Keyframe positions as nanoflann wants them.
+// Positions as nanoflann wants them.
 struct Positions {
   std::vector<Eigen::Vector2d> points;
   size_t kdtree_get_point_count() const { return points.size(); }
@@ -39,51 +39,64 @@ struct Pair {
   double search_rotation;     // [rad]
 };
 
-// So many standard deviations around the prediction are searched.
-constexpr double kSearchedSigmas = 3.0;
+// A window reaches so much farther at its corners than at its sides; matching refines poses there a little.
+constexpr double kCorner = 1.5;
 
 // The window for a keyframe that is known with `covariance`; without one, the widest.
 Pair WithWindow(Pair pair, const std::optional<Eigen::Matrix3d>& covariance, const LoopOptions& options) {
   pair.search_translation = options.max_search_translation;
   pair.search_rotation = options.max_search_rotation;
   if (!covariance) return pair;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance->topLeftCorner<2, 2>(), Eigen::EigenvaluesOnly);
-  const double translation = kSearchedSigmas * std::sqrt(std::max(0.0, axes.eigenvalues().maxCoeff()));
-  const double rotation = kSearchedSigmas * std::sqrt(std::max(0.0, (*covariance)(2, 2)));
-  pair.search_translation = std::clamp(translation, options.search_translation, options.max_search_translation);
-  pair.search_rotation = std::clamp(rotation, options.search_rotation, options.max_search_rotation);
+  const SearchedWindow window = WindowOf(*covariance);
+  pair.search_translation = std::clamp(window.translation, options.search_translation, options.max_search_translation);
+  pair.search_rotation = std::clamp(window.rotation, options.search_rotation, options.max_search_rotation);
   return pair;
 }
 
 // The keyframes that may see a submap of which the graph knows nothing yet, in their order.
-std::vector<Pair> PairsOf(const Submap& submap, const std::vector<Keyframe>& keyframes, const Positions& positions,
-                          const KdTree& tree, const RelativeUncertainty::View& uncertainty,
-                          const std::set<std::pair<int, int>>& known, const LoopOptions& options) {
+std::vector<Pair> PairsOf(const Submap& submap, const std::vector<Keyframe>& keyframes, const PoseGraph& graph,
+                          const RelativeUncertainty::View& uncertainty, const std::set<std::pair<int, int>>& known,
+                          const LoopOptions& options) {
   // What is not known well may be nearer than it seems.
   const double reach = options.candidate_radius + options.max_search_translation - options.search_translation;
-  std::vector<double> squared_distances(keyframes.size(), std::numeric_limits<double>::infinity());
+  std::set<KeyframeId> members(submap.keyframes.begin(), submap.keyframes.end());
+  Positions path;
+  Eigen::AlignedBox2d surroundings;
   for (const KeyframeId member : submap.keyframes) {
-    std::vector<std::pair<uint32_t, double>> hits;
-    tree.radiusSearch(positions.points[static_cast<size_t>(member.value)].data(), reach * reach, hits,
-                      nanoflann::SearchParams());
-    for (const auto& [index, squared_distance] : hits) {
-      squared_distances[index] = std::min(squared_distances[index], squared_distance);
-    }
+    path.points.push_back(graph.Pose(member).translation());
+    surroundings.extend(path.points.back());
   }
-  for (const KeyframeId member : submap.keyframes) {
-    squared_distances[static_cast<size_t>(member.value)] = std::numeric_limits<double>::infinity();
-  }
+  surroundings.min().array() -= reach;
+  surroundings.max().array() += reach;
+  KdTree tree(2, path);
+  tree.buildIndex();
   std::vector<Pair> pairs;
   for (size_t i = 0; i < keyframes.size(); i += static_cast<size_t>(options.keyframe_stride)) {
     const KeyframeId id = keyframes[i].id;
-    if (!std::isfinite(squared_distances[i]) || !keyframes[i].is_inserted) continue;
-    if (known.count({submap.id.value, id.value}) > 0) continue;
-    const Pair pair = WithWindow({id, std::sqrt(squared_distances[i]), 0.0, 0.0}, uncertainty.Of(id), options);
+    const Eigen::Vector2d position = graph.Pose(id).translation();
+    if (!keyframes[i].is_inserted || !surroundings.contains(position)) continue;
+    if (members.count(id) > 0 || known.count({submap.id.value, id.value}) > 0) continue;
+    uint32_t nearest = 0;
+    double squared_distance = std::numeric_limits<double>::infinity();
+    if (tree.knnSearch(position.data(), 1, &nearest, &squared_distance) == 0) continue;
+    if (squared_distance >= reach * reach) continue;
+    const Pair pair = WithWindow({id, std::sqrt(squared_distance), 0.0, 0.0}, uncertainty.Of(id), options);
     if (pair.distance <= options.candidate_radius + pair.search_translation - options.search_translation) {
       pairs.push_back(pair);
     }
   }
   return pairs;
+}
+
+// True if the search of the window around `prediction` cannot end otherwise than `tried` did.
+bool IsSettled(const LoopCandidate& tried, const SE2& prediction, const Pair& pair) {
+  if (tried.accepted) return true;
+  const bool was_searched =
+      AreClose(tried.prediction, prediction, 0.5 * tried.search_translation, 0.5 * tried.search_rotation);
+  if (!was_searched) return false;
+  // A better place far off may have hidden the one that is looked for now.
+  return !IsUsable(tried.match.verdict) ||
+         AreClose(tried.match.pose, prediction, kCorner * pair.search_translation, kCorner * pair.search_rotation);
 }
 
 // Of each keyframe's pairs, by submap, keeps those with the `count` nearest submaps.
@@ -127,6 +140,7 @@ std::string LoopOptions::Validate() const {
   if (!(rival_translation > 0.0 && rival_translation <= 50.0)) {
     return Violation("rival_translation", rival_translation, "lie in (0, 50] m");
   }
+  if (drift_votes < 0) return Violation("drift_votes", drift_votes, "be at least 0");
   if (!(max_score > 0.0)) return Violation("max_score", max_score, "be above 0 m");
   if (!(min_overlap >= 0.0 && min_overlap <= 1.0)) return Violation("min_overlap", min_overlap, "lie in [0, 1]");
   return "";
@@ -137,33 +151,34 @@ LoopCloser::LoopCloser(const LoopOptions& options, const MatcherOptions& matcher
     : options_(options), max_distance_(matcher_options.max_distance), matcher_(matcher), cell_size_(cell_size) {}
 
 std::vector<LoopCandidate> LoopCloser::FindAll(const PoseGraph& graph, const std::vector<Keyframe>& keyframes,
-                                               const std::vector<Submap>& submaps, int num_threads) const {
+                                               const std::vector<Submap>& submaps,
+                                               const std::vector<LoopCandidate>& tried, int num_threads) const {
   const RelativeUncertainty uncertainty(graph);
+  std::map<std::pair<int, int>, const LoopCandidate*> before;
+  for (const LoopCandidate& candidate : tried) before[{candidate.submap.value, candidate.keyframe.value}] = &candidate;
   std::set<std::pair<int, int>> known;
   for (const Constraint& constraint : graph.constraints()) {
-    if (constraint.from.kind == NodeId::Kind::kSubmap) known.emplace(constraint.from.value, constraint.to.value);
+    const std::pair<int, int> pair(constraint.from.value, constraint.to.value);
+    if (constraint.from.kind == NodeId::Kind::kSubmap && before.count(pair) == 0) known.insert(pair);
   }
   std::vector<std::vector<Pair>> near(submaps.size());
-  {
-    Positions positions;
-    for (const Keyframe& keyframe : keyframes) positions.points.push_back(graph.Pose(keyframe.id).translation());
-    KdTree tree(2, positions);
-    tree.buildIndex();
-    ParallelFor(submaps.size(), num_threads, [&](size_t i) {
-      near[i] = PairsOf(submaps[i], keyframes, positions, tree, uncertainty.From(submaps[i].id), known, options_);
-    });
-  }
+  ParallelFor(submaps.size(), num_threads, [&](size_t i) {
+    near[i] = PairsOf(submaps[i], keyframes, graph, uncertainty.From(submaps[i].id), known, options_);
+  });
   KeepNearest(options_.max_submaps, &near);
 
   std::vector<std::vector<LoopCandidate>> found(submaps.size());
   ParallelFor(submaps.size(), num_threads, [&](size_t i) {
-    if (near[i].empty()) return;
-    const MatchTarget target(*submaps[i].cells.Get(), cell_size_, max_distance_);
+    std::optional<MatchTarget> target;
     for (const Pair& pair : near[i]) {
+      const SE2 prediction = graph.Pose(submaps[i].id).Inverse() * graph.Pose(pair.keyframe);
+      const auto earlier = before.find({submaps[i].id.value, pair.keyframe.value});
+      if (earlier != before.end() && IsSettled(*earlier->second, prediction, pair)) continue;
+      if (!target) target.emplace(*submaps[i].cells.Get(), cell_size_, max_distance_);
       const Keyframe& keyframe = keyframes[static_cast<size_t>(pair.keyframe.value)];
-      const SE2 prediction = graph.Pose(submaps[i].id).Inverse() * graph.Pose(keyframe.id);
-      LoopCandidate candidate{keyframe.id, submaps[i].id, {}, pair.search_translation, pair.search_rotation, false, ""};
-      Judge(target, keyframe.scan.Get()->points, prediction, &candidate);
+      LoopCandidate candidate{keyframe.id, submaps[i].id, prediction, pair.search_translation, pair.search_rotation,
+                              {},          false,         ""};
+      Judge(*target, keyframe.scan.Get()->points, &candidate);
       found[i].push_back(candidate);
     }
   });
@@ -172,11 +187,11 @@ std::vector<LoopCandidate> LoopCloser::FindAll(const PoseGraph& graph, const std
   return candidates;
 }
 
-void LoopCloser::Judge(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& prediction,
+void LoopCloser::Judge(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,
                        LoopCandidate* candidate) const {
   const double rotation = candidate->search_rotation;
   const SearchWindow window{candidate->search_translation, rotation, 0.01, {}};
-  candidate->match = matcher_.Match(target, points, prediction, window);
+  candidate->match = matcher_.Match(target, points, candidate->prediction, window);
   candidate->reason = RefusalReason(candidate->match, options_.max_score, options_.min_overlap);
   if (candidate->reason.empty()) {
     matcher_.CheckUniqueness(target, points, SearchWindow{options_.rival_translation, rotation, 0.02, {}},

@@ -21,6 +21,8 @@ struct LoopOptions {
   double max_search_rotation = 0.3;     ///< [rad], of the heading likewise.
   double rival_translation = 5.0;  ///< [m], so far around a loop no second pose may fit nearly as well: more than from
                                    ///< tree to tree and from row to row.
+  int drift_votes = 5;             ///< Beyond the greatest window, so many scans of one stretch must recognise places
+                                   ///< that agree on how far the stretch has drifted; 0: windows are all.
   double max_score = 0.08;         ///< [m], a loop's MHD may not exceed this.
   double min_overlap = 0.6;        ///< Share of the scan's points that must meet the submap.
 
@@ -36,18 +38,23 @@ struct LoopOptions {
     visit("max_search_translation", max_search_translation);
     visit("max_search_rotation", max_search_rotation);
     visit("rival_translation", rival_translation);
+    visit("drift_votes", drift_votes);
     visit("max_score", max_score);
     visit("min_overlap", min_overlap);
   }
 };
 
+/// Why a loop that was found does not count: `PoseGraph::Optimize` dropped it.
+inline constexpr const char* kContradictsOthers = "contradicts the others";
+
 /// One pair that was tried, and what came of it.
 struct LoopCandidate {
   KeyframeId keyframe;
   SubmapId submap;
-  MatchResult match;
-  double search_translation = 0.0;  ///< [m], half width of the window that was searched,
+  SE2 prediction;                   ///< T_submap_base by the graph: the middle of the window that was searched,
+  double search_translation = 0.0;  ///< [m], half the window's width,
   double search_rotation = 0.0;     ///< [rad], likewise.
+  MatchResult match;
   bool accepted = false;
   std::string reason;  ///< Why it was refused; empty when accepted.
 };
@@ -68,13 +75,15 @@ class LoopCloser {
              double cell_size);
 
   /// All candidates of a run, in the order of submaps and keyframes whatever the number of threads.
+  /// @param tried those of earlier searches. Such a pair is tried again only if it was not accepted, and the graph has
+  ///              changed so much that another place may be found for it.
   std::vector<LoopCandidate> FindAll(const PoseGraph& graph, const std::vector<Keyframe>& keyframes,
-                                     const std::vector<Submap>& submaps, int num_threads) const;
+                                     const std::vector<Submap>& submaps, const std::vector<LoopCandidate>& tried,
+                                     int num_threads) const;
 
  private:
   // Matches a candidate's scan to its submap in the candidate's window, and judges the match.
-  void Judge(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& prediction,
-             LoopCandidate* candidate) const;
+  void Judge(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, LoopCandidate* candidate) const;
 
   LoopOptions options_;
   double max_distance_;

@@ -105,9 +105,25 @@ PlaceRecognizer::PlaceRecognizer(const PlaceOptions& options, const Matcher& mat
 
 PlaceRecognizer::~PlaceRecognizer() = default;
 
-std::vector<PlaceCandidate> PlaceRecognizer::FindAlike(const PlaceDescriptor& query) const {
+std::vector<size_t> PlaceRecognizer::Preselect(const PlaceDescriptor::RingKey& key,
+                                               const std::function<bool(KeyframeId, size_t)>& is_possible) const {
+  if (!is_possible) return index_->FindNearest(key, kNumPreselected);
+  std::vector<std::pair<float, size_t>> distances;
+  for (size_t i = 0; i < places_.size(); ++i) {
+    if (!is_possible(places_[i].keyframe, places_[i].submap_index)) continue;
+    distances.emplace_back((places_[i].descriptor.ring_key - key).squaredNorm(), i);
+  }
+  std::sort(distances.begin(), distances.end());
+  distances.resize(std::min(distances.size(), kNumPreselected));
+  std::vector<size_t> indices;
+  for (const auto& [distance, index] : distances) indices.push_back(index);
+  return indices;
+}
+
+std::vector<PlaceCandidate> PlaceRecognizer::FindAlike(
+    const PlaceDescriptor& query, const std::function<bool(KeyframeId, size_t)>& is_possible) const {
   std::vector<PlaceCandidate> alike;
-  for (const size_t index : index_->FindNearest(query.ring_key, kNumPreselected)) {
+  for (const size_t index : Preselect(query.ring_key, is_possible)) {
     const Place& place = places_[index];
     const PlaceSimilarity similarity = ComparePlaces(query, place.descriptor);
     PlaceCandidate candidate{place.keyframe, place.submap_index, similarity.value, {}, {}};
@@ -131,13 +147,14 @@ std::vector<PlaceCandidate> PlaceRecognizer::FindAlike(const PlaceDescriptor& qu
   return kept;
 }
 
-PlaceRecognition PlaceRecognizer::Recognize(const std::vector<Eigen::Vector2f>& points, SubmapTargets* targets) const {
+PlaceRecognition PlaceRecognizer::Recognize(const std::vector<Eigen::Vector2f>& points, SubmapTargets* targets,
+                                            const std::function<bool(KeyframeId, size_t)>& is_possible) const {
   PlaceRecognition result;
   if (places_.empty()) {
     result.reason = "no places";
     return result;
   }
-  result.candidates = FindAlike(DescribePlace(points, options_.max_range));
+  result.candidates = FindAlike(DescribePlace(points, options_.max_range), is_possible);
   // To rule out a rival the best of them must be known first.
   const SearchWindow window{options_.search_translation, options_.search_rotation, 0.02, {}};
   const double max_cost = options_.max_score / max_second_ratio_;

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -73,7 +74,10 @@ class PlaceRecognizer {
 
   /// @param points  [m], base frame.
   /// @param targets of the same submaps; the calling thread's own.
-  PlaceRecognition Recognize(const std::vector<Eigen::Vector2f>& points, SubmapTargets* targets) const;
+  /// @param is_possible of a keyframe and the index of the submap that it would be matched to: places that are not
+  ///                    possible are no candidates. Nothing: all are.
+  PlaceRecognition Recognize(const std::vector<Eigen::Vector2f>& points, SubmapTargets* targets,
+                             const std::function<bool(KeyframeId, size_t)>& is_possible = nullptr) const;
 
  private:
   struct Place {
@@ -83,8 +87,12 @@ class PlaceRecognizer {
   };
   class Index;
 
-  // The places that look most like `query`, best first.
-  std::vector<PlaceCandidate> FindAlike(const PlaceDescriptor& query) const;
+  // The possible places that look most like `query`, best first.
+  std::vector<PlaceCandidate> FindAlike(const PlaceDescriptor& query,
+                                        const std::function<bool(KeyframeId, size_t)>& is_possible) const;
+  // Those whose ring keys are nearest to `key`, as indices.
+  std::vector<size_t> Preselect(const PlaceDescriptor::RingKey& key,
+                                const std::function<bool(KeyframeId, size_t)>& is_possible) const;
 
   PlaceOptions options_;
   Matcher matcher_;

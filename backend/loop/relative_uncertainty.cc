@@ -1,6 +1,9 @@
 #include "backend/loop/relative_uncertainty.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
 #include <queue>
 #include <utility>
 
@@ -11,6 +14,8 @@ namespace {
 constexpr double kLeastInformation = 1.0;
 // [m], by this lever arm a heading's variance is weighed against a position's.
 constexpr double kLeverArm = 10.0;
+// So many standard deviations around a prediction are searched.
+constexpr double kSearchedSigmas = 3.0;
 
 double SizeOf(const Eigen::Matrix3d& covariance) {
   return covariance(0, 0) + covariance(1, 1) + kLeverArm * kLeverArm * covariance(2, 2);
@@ -97,6 +102,12 @@ std::optional<Eigen::Matrix3d> RelativeUncertainty::View::Of(KeyframeId keyframe
     if (!best || SizeOf(covariance) < SizeOf(*best)) best = covariance;
   }
   return best;
+}
+
+SearchedWindow WindowOf(const Eigen::Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance.topLeftCorner<2, 2>(), Eigen::EigenvaluesOnly);
+  return {kSearchedSigmas * std::sqrt(std::max(0.0, axes.eigenvalues().maxCoeff())),
+          kSearchedSigmas * std::sqrt(std::max(0.0, covariance(2, 2)))};
 }
 
 }  // namespace arborslam

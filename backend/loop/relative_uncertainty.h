@@ -56,6 +56,15 @@ class RelativeUncertainty {
   std::map<int, std::map<int, Link>> links_;        // By submap and submap.
 };
 
+/// Half widths of the window in which a pose of some covariance is looked for: three standard deviations.
+struct SearchedWindow {
+  double translation = 0.0;  ///< [m]
+  double rotation = 0.0;     ///< [rad]
+};
+
+/// @param covariance of (x, y, theta) [m, rad].
+SearchedWindow WindowOf(const Eigen::Matrix3d& covariance);
+
 }  // namespace arborslam
 
 #endif  // ARBORSLAM_BACKEND_LOOP_RELATIVE_UNCERTAINTY_H_

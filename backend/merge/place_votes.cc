@@ -35,10 +35,9 @@ std::vector<const Keyframe*> SpacedKeyframes(const SessionContents& map, double 
 
 // What each of `asked` answers.
 std::vector<std::optional<PlaceVote>> Ask(const std::vector<const Keyframe*>& asked, const SlamOptions& options,
-                                          const PlaceOptions& place, const SessionContents& a, const SessionContents& b,
-                                          int num_threads) {
+                                          const SessionContents& a, const SessionContents& b, int num_threads) {
   const Matcher matcher(options.matcher, options.mhd, options.refinement);
-  const PlaceRecognizer recognizer(place, matcher, options.matcher.max_second_ratio, a.graph, a.keyframes, a.submaps);
+  const PlaceRecognizer recognizer(options.place, matcher, options.matcher.max_second_ratio, a.graph, a.keyframes, a.submaps);
   std::vector<std::optional<PlaceVote>> votes(asked.size());
   // Neighbours share targets.
   const auto num_shares = static_cast<size_t>(num_threads);
@@ -121,13 +120,13 @@ std::string TextOf(const SE2& pose) {
   return text;
 }
 
-PlaceVotes VoteOnPlace(const SlamOptions& options, const PlaceOptions& place, const MergeOptions& merge,
+PlaceVotes VoteOnPlace(const SlamOptions& options, const MergeOptions& merge,
                        const SessionContents& a, const SessionContents& b, int num_threads) {
   PlaceVotes result;
   const std::vector<const Keyframe*> asked = SpacedKeyframes(b, merge.spacing);
   result.num_asked = asked.size();
   std::vector<PlaceVote> votes;
-  for (std::optional<PlaceVote>& vote : Ask(asked, options, place, a, b, num_threads)) {
+  for (std::optional<PlaceVote>& vote : Ask(asked, options, a, b, num_threads)) {
     if (vote) votes.push_back(std::move(*vote));
   }
   result.num_recognized = votes.size();

@@ -53,10 +53,9 @@ void Append(const SessionContents& next, const IdShift& shift, const SE2& T_a_b,
 
 }  // namespace
 
-SessionMerger::SessionMerger(const SlamOptions& options, const PlaceOptions& place, const MergeOptions& merge,
+SessionMerger::SessionMerger(const SlamOptions& options, const MergeOptions& merge,
                              int num_threads, SessionContents first)
     : options_(options),
-      place_(place),
       merge_(merge),
       num_threads_(num_threads),
       matcher_(options.matcher, options.mhd, options.refinement),
@@ -67,7 +66,7 @@ SessionMerger::SessionMerger(const SlamOptions& options, const PlaceOptions& pla
 }
 
 PlaceVotes SessionMerger::Add(const SessionContents& next) {
-  PlaceVotes votes = VoteOnPlace(options_, place_, merge_, merged_, next, num_threads_);
+  PlaceVotes votes = VoteOnPlace(options_, merge_, merged_, next, num_threads_);
   if (!votes.reason.empty()) return votes;
   const IdShift shift(merged_);
   const size_t num_known = merged_.scans.size();

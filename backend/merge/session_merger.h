@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "backend/global_solution.h"
-#include "backend/loop/place_recognizer.h"
 #include "backend/merge/place_votes.h"
 #include "backend/slam_options.h"
 #include "backend/store/session_contents.h"
@@ -28,7 +27,7 @@ class SessionMerger {
   /// @param options that all sessions were made with.
   /// @param first   `Completed`, and so must be those that follow, all of planar scans or all of sweeps. Its first
   ///                keyframe stays where it is: the map's frame is this session's.
-  SessionMerger(const SlamOptions& options, const PlaceOptions& place, const MergeOptions& merge, int num_threads,
+  SessionMerger(const SlamOptions& options, const MergeOptions& merge, int num_threads,
                 SessionContents first);
 
   /// Places a session in the map so far and adds it. Does nothing when it cannot be placed: the votes tell why.
@@ -46,7 +45,6 @@ class SessionMerger {
   void CountCross(MergeSolution* solution) const;
 
   SlamOptions options_;
-  PlaceOptions place_;
   MergeOptions merge_;
   int num_threads_;
   Matcher matcher_;

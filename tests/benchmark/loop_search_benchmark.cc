@@ -82,7 +82,7 @@ void BM_LoopSearch(benchmark::State& state) {
   double num_accepted = 0.0;
   for (auto _ : state) {
     const double begin = ProcessorTime();
-    const std::vector<LoopCandidate> loops = closer.FindAll(area.graph, area.keyframes, area.submaps, 1);
+    const std::vector<LoopCandidate> loops = closer.FindAll(area.graph, area.keyframes, area.submaps, {}, 1);
     seconds += ProcessorTime() - begin;
     std::vector<int> keyframes;
     for (const LoopCandidate& loop : loops) {

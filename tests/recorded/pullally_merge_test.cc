@@ -41,7 +41,7 @@ TEST(PullallyMergeTest, TwoWalksLieInOneMap) {
   }
   for (const size_t first : {size_t{0}, size_t{1}}) {
     SCOPED_TRACE(first);
-    SessionMerger merger(SlamOptions(), PlaceOptions(), MergeOptions(), 2, sessions[first]);
+    SessionMerger merger(SlamOptions(), MergeOptions(), 2, sessions[first]);
     const PlaceVotes votes = merger.Add(sessions[1 - first]);
     ASSERT_EQ(votes.reason, "");
     EXPECT_GE(votes.agreeing.size(), votes.num_asked / 2);

@@ -28,7 +28,7 @@ struct MappedRun {
   }
 
   Localizer MakeLocalizer(const std::optional<SE2>& initial_pose = std::nullopt) const {
-    return Localizer(SlamOptions(), PlaceOptions(), LocalizerOptions(), slam.graph(), slam.keyframes(), slam.submaps(),
+    return Localizer(SlamOptions(), LocalizerOptions(), slam.graph(), slam.keyframes(), slam.submaps(),
                      initial_pose);
   }
 

@@ -37,7 +37,7 @@ std::vector<SE2> Line(int count, double y, double theta) {
 }
 
 PlaceVotes Vote(const SessionContents& a, const SessionContents& b, const MergeOptions& merge = MergeOptions()) {
-  return VoteOnPlace(SlamOptions(), PlaceOptions(), merge, a, b, 2);
+  return VoteOnPlace(SlamOptions(), merge, a, b, 2);
 }
 
 TEST(VoteOnPlaceTest, FindsTheFrameOfAnotherMapOfTheSamePosts) {

@@ -36,7 +36,7 @@ std::vector<LaserScan> ScansOf(const PlanarOrchard& orchard) {
 }
 
 SessionMerger MergerOf(const SessionContents& first, int num_threads = 1) {
-  return SessionMerger(SlamOptions(), PlaceOptions(), MergeOptions(), num_threads, first);
+  return SessionMerger(SlamOptions(), MergeOptions(), num_threads, first);
 }
 
 template <class Value>
