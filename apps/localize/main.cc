@@ -228,8 +228,8 @@ int Run(const MultiFlags& multi_flags) {
   }
 
   const bool map_is_spatial = IsSpatial(session);
-  Localizer localizer(options.slam, localization, session.graph, session.keyframes, session.submaps,
-                      initial_pose, store);
+  Localizer localizer(options.slam, localization, session.graph, session.keyframes, session.submaps, initial_pose,
+                      store);
   const std::vector<LocalizationResult> results = Localize(source.get(), map_is_spatial, &localizer);
   if (results.empty()) throw UserError(FLAGS_input, "holds no scans", "nothing was written");
   Figures figures = FiguresOf(results);

@@ -6,8 +6,8 @@
 
 namespace arborslam {
 
-JointMap Join(const SlamOptions& options, const MergeOptions& merge, int num_threads,
-              const std::string& path, SessionContents map, const SessionContents& recording) {
+JointMap Join(const SlamOptions& options, const MergeOptions& merge, int num_threads, const std::string& path,
+              SessionContents map, const SessionContents& recording) {
   JointMap joint;
   joint.record.session = path;
   Stopwatch stopwatch;

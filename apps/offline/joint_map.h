@@ -28,8 +28,8 @@ struct JointMap {
 /// Makes one map of a session's and of a recording's, in the frame of the first, as `SessionMerger` does.
 /// @param map       `Completed`; `path` is its file.
 /// @param recording finished, made with the same `options`, of the same kind of lidar.
-JointMap Join(const SlamOptions& options, const MergeOptions& merge, int num_threads,
-              const std::string& path, SessionContents map, const SessionContents& recording);
+JointMap Join(const SlamOptions& options, const MergeOptions& merge, int num_threads, const std::string& path,
+              SessionContents map, const SessionContents& recording);
 
 /// What became of it, in one line.
 std::string TextOf(const JoinRecord& record);

@@ -100,9 +100,8 @@ void AddAll(const std::vector<NamedSession>& sessions, SessionMerger* merger) {
 }
 
 std::string LoopsText(const MergeSolution& solution) {
-  const auto num_dropped = std::count_if(solution.loops.begin(), solution.loops.end(), [](const LoopCandidate& loop) {
-    return loop.reason == kContradictsOthers;
-  });
+  const auto num_dropped = std::count_if(solution.loops.begin(), solution.loops.end(),
+                                         [](const LoopCandidate& loop) { return loop.reason == kContradictsOthers; });
   return "loops across sessions: " + std::to_string(solution.num_cross_accepted) + " accepted of " +
          std::to_string(solution.num_cross_tried) + " tried; of all loops " + std::to_string(num_dropped) +
          " contradict the others and were dropped\n";

@@ -60,8 +60,8 @@ const char* ToString(LocalizationState state) {
   return "unknown";
 }
 
-Localizer::Localizer(const SlamOptions& options, const LocalizerOptions& localizer,
-                     const PoseGraph& graph, const std::vector<Keyframe>& keyframes, const std::vector<Submap>& submaps,
+Localizer::Localizer(const SlamOptions& options, const LocalizerOptions& localizer, const PoseGraph& graph,
+                     const std::vector<Keyframe>& keyframes, const std::vector<Submap>& submaps,
                      const std::optional<SE2>& initial_pose, std::shared_ptr<ValueStore> store)
     : slam_options_(EveryScanAKeyframe(options)),
       options_(localizer),

@@ -81,8 +81,8 @@ class Localizer {
   /// @param store        takes care of the odometry's scans and submaps; null: they are kept in memory.
   /// @param initial_pose T_map_base of the first scan, to about `PlaceOptions::search_translation` and
   ///                     `search_rotation`, if known. It is tried first; a wrong one is found out and given up.
-  Localizer(const SlamOptions& options, const LocalizerOptions& localizer,
-            const PoseGraph& graph, const std::vector<Keyframe>& keyframes, const std::vector<Submap>& submaps,
+  Localizer(const SlamOptions& options, const LocalizerOptions& localizer, const PoseGraph& graph,
+            const std::vector<Keyframe>& keyframes, const std::vector<Submap>& submaps,
             const std::optional<SE2>& initial_pose, std::shared_ptr<ValueStore> store = nullptr);
 
   LocalizationResult AddScan(const LaserScan& scan) { return Add(scan); }

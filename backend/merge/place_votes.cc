@@ -37,7 +37,8 @@ std::vector<const Keyframe*> SpacedKeyframes(const SessionContents& map, double 
 std::vector<std::optional<PlaceVote>> Ask(const std::vector<const Keyframe*>& asked, const SlamOptions& options,
                                           const SessionContents& a, const SessionContents& b, int num_threads) {
   const Matcher matcher(options.matcher, options.mhd, options.refinement);
-  const PlaceRecognizer recognizer(options.place, matcher, options.matcher.max_second_ratio, a.graph, a.keyframes, a.submaps);
+  const PlaceRecognizer recognizer(options.place, matcher, options.matcher.max_second_ratio, a.graph, a.keyframes,
+                                   a.submaps);
   std::vector<std::optional<PlaceVote>> votes(asked.size());
   // Neighbours share targets.
   const auto num_shares = static_cast<size_t>(num_threads);
@@ -120,8 +121,8 @@ std::string TextOf(const SE2& pose) {
   return text;
 }
 
-PlaceVotes VoteOnPlace(const SlamOptions& options, const MergeOptions& merge,
-                       const SessionContents& a, const SessionContents& b, int num_threads) {
+PlaceVotes VoteOnPlace(const SlamOptions& options, const MergeOptions& merge, const SessionContents& a,
+                       const SessionContents& b, int num_threads) {
   PlaceVotes result;
   const std::vector<const Keyframe*> asked = SpacedKeyframes(b, merge.spacing);
   result.num_asked = asked.size();

@@ -63,8 +63,8 @@ std::string TextOf(const SE2& pose);
 /// any prior (`PlaceRecognizer`), and whether enough of them agree. Single answers are wrong now and then in a world
 /// that repeats itself, but they do not agree with each other; and what does repeat as a whole shows in a rival that
 /// as many agree on. The same for any number of threads.
-PlaceVotes VoteOnPlace(const SlamOptions& options, const MergeOptions& merge,
-                       const SessionContents& a, const SessionContents& b, int num_threads);
+PlaceVotes VoteOnPlace(const SlamOptions& options, const MergeOptions& merge, const SessionContents& a,
+                       const SessionContents& b, int num_threads);
 
 }  // namespace arborslam
 

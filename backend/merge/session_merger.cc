@@ -53,8 +53,8 @@ void Append(const SessionContents& next, const IdShift& shift, const SE2& T_a_b,
 
 }  // namespace
 
-SessionMerger::SessionMerger(const SlamOptions& options, const MergeOptions& merge,
-                             int num_threads, SessionContents first)
+SessionMerger::SessionMerger(const SlamOptions& options, const MergeOptions& merge, int num_threads,
+                             SessionContents first)
     : options_(options),
       merge_(merge),
       num_threads_(num_threads),

@@ -27,8 +27,7 @@ class SessionMerger {
   /// @param options that all sessions were made with.
   /// @param first   `Completed`, and so must be those that follow, all of planar scans or all of sweeps. Its first
   ///                keyframe stays where it is: the map's frame is this session's.
-  SessionMerger(const SlamOptions& options, const MergeOptions& merge, int num_threads,
-                SessionContents first);
+  SessionMerger(const SlamOptions& options, const MergeOptions& merge, int num_threads, SessionContents first);
 
   /// Places a session in the map so far and adds it. Does nothing when it cannot be placed: the votes tell why.
   PlaceVotes Add(const SessionContents& next);

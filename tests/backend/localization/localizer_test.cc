@@ -28,8 +28,7 @@ struct MappedRun {
   }
 
   Localizer MakeLocalizer(const std::optional<SE2>& initial_pose = std::nullopt) const {
-    return Localizer(SlamOptions(), LocalizerOptions(), slam.graph(), slam.keyframes(), slam.submaps(),
-                     initial_pose);
+    return Localizer(SlamOptions(), LocalizerOptions(), slam.graph(), slam.keyframes(), slam.submaps(), initial_pose);
   }
 
   Slam slam;
