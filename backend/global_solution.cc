@@ -18,15 +18,6 @@ constexpr int kMaxSearches = 20;
 constexpr double kFar = 0.5;  // [m], less than to the next tree or row, more than a submap bends.
 constexpr double kFarGate = 5.0;
 
-using LoopsByPair = std::map<std::pair<SubmapId, KeyframeId>, LoopCandidate>;
-
-std::vector<LoopCandidate> ValuesOf(const LoopsByPair& by_pair) {
-  std::vector<LoopCandidate> loops;
-  loops.reserve(by_pair.size());
-  for (const auto& [pair, loop] : by_pair) loops.push_back(loop);
-  return loops;
-}
-
 size_t NumAccepted(const LoopsByPair& by_pair) {
   return static_cast<size_t>(
       std::count_if(by_pair.begin(), by_pair.end(), [](const auto& entry) { return entry.second.accepted; }));
@@ -80,9 +71,8 @@ void CloseLoops(const SlamOptions& options, const Matcher& matcher, int num_thre
   bool is_near = true;  // The next search is that of the closer.
   for (int search = 0; search < kMaxSearches; ++search) {
     const size_t num_before = NumAccepted(by_pair);
-    std::vector<LoopCandidate> found = is_near
-                                           ? closer.FindAll(*graph, keyframes, submaps, ValuesOf(by_pair), num_threads)
-                                           : drifted.FindAll(*graph, keyframes, submaps, num_threads);
+    std::vector<LoopCandidate> found = is_near ? closer.FindAll(*graph, keyframes, submaps, by_pair, num_threads)
+                                               : drifted.FindAll(*graph, keyframes, submaps, num_threads);
     const bool has_accepted = AddLoops(std::move(found), graph, &by_pair);
     solution->loop_ms += stopwatch.Lap();
     ++solution->num_loop_searches;
@@ -95,7 +85,8 @@ void CloseLoops(const SlamOptions& options, const Matcher& matcher, int num_thre
     if (!is_near && !has_grown) break;
     is_near = has_grown;
   }
-  solution->loops = ValuesOf(by_pair);
+  solution->loops.reserve(by_pair.size());
+  for (auto& [pair, loop] : by_pair) solution->loops.push_back(std::move(loop));
 }
 
 }  // namespace

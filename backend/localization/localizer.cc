@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <utility>
 
@@ -75,7 +74,9 @@ Localizer::Localizer(const SlamOptions& options, const LocalizerOptions& localiz
       odometry_(std::make_unique<Slam>(slam_options_, 1, store_)),
       vote_translation_step_(options.tracker.keyframe_translation),
       vote_rotation_step_(options.tracker.keyframe_rotation),
-      initial_pose_(initial_pose) {}
+      initial_pose_(initial_pose) {
+  for (const Submap& submap : submaps) paths_.emplace_back(submap, graph);
+}
 
 template <class AnyScan>
 LocalizationResult Localizer::Add(const AnyScan& scan) {
@@ -207,12 +208,8 @@ MatchResult Localizer::MatchInMap(const std::vector<Eigen::Vector2f>& points, co
 std::vector<size_t> Localizer::SubmapsAround(const SE2& T_map_base) const {
   std::vector<std::pair<double, size_t>> distances;
   for (size_t i = 0; i < submaps_.size(); ++i) {
-    double least = std::numeric_limits<double>::infinity();
-    const std::vector<KeyframeId>& members = submaps_[i].keyframes;
-    for (const KeyframeId member : members) {
-      least = std::min(least, (graph_.Pose(member).translation() - T_map_base.translation()).norm());
-    }
-    if (least <= kMaxSubmapDistance) distances.emplace_back(least, i);
+    const double distance = paths_[i].DistanceTo(T_map_base.translation(), kMaxSubmapDistance);
+    if (distance <= kMaxSubmapDistance) distances.emplace_back(distance, i);
   }
   std::sort(distances.begin(), distances.end());
   std::vector<size_t> around;

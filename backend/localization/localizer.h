@@ -10,6 +10,7 @@
 #include "backend/graph/pose_graph.h"
 #include "backend/keyframe.h"
 #include "backend/loop/place_recognizer.h"
+#include "backend/loop/submap_path.h"
 #include "backend/loop/submap_targets.h"
 #include "backend/slam.h"
 #include "backend/slam_options.h"
@@ -113,6 +114,7 @@ class Localizer {
   const std::vector<Keyframe>& keyframes_;
   const std::vector<Submap>& submaps_;
   Matcher matcher_;
+  std::vector<SubmapPath> paths_;  // Of `submaps_`.
   PlaceRecognizer recognizer_;
   SubmapTargets targets_;
   std::shared_ptr<ValueStore> store_;

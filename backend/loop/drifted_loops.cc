@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <map>
 #include <optional>
 #include <set>
 #include <utility>
 
 #include "backend/loop/relative_uncertainty.h"
+#include "backend/loop/submap_path.h"
 #include "backend/loop/submap_targets.h"
 #include "core/geometry/angles.h"
 #include "core/parallel.h"
@@ -22,11 +22,9 @@ namespace {
 constexpr double kSpacing = 1.0;
 // [m] of path within which answers vote on one drift.
 constexpr double kStretch = 40.0;
-// Answers agree when each places the other's keyframe no farther off than this, and, maps being bent a little, so much
-// of the way between them.
+// Answers agree to within these, see `AgreeOnPlace`.
 constexpr double kVoteTranslation = 0.5;  // [m]
 constexpr double kVoteRotation = 0.1;     // [rad]
-constexpr double kBend = 0.01;
 // More than so many times as many must agree as contradict.
 constexpr size_t kMinRatio = 4;
 // Drift of a long way is hardly ever as small as its covariance says: corridors and rows bend maps all the same way.
@@ -55,15 +53,11 @@ struct Answer {
 
 // [m] from the first keyframe to each.
 std::vector<double> PathLengths(const PoseGraph& graph, const std::vector<Keyframe>& keyframes) {
-  std::vector<double> lengths;
-  lengths.reserve(keyframes.size());
-  for (size_t i = 0; i < keyframes.size(); ++i) {
-    if (i == 0) {
-      lengths.push_back(0.0);
-      continue;
-    }
-    const SE2 step = graph.Pose(keyframes[i - 1].id).Inverse() * graph.Pose(keyframes[i].id);
-    lengths.push_back(lengths.back() + step.translation().norm());
+  std::vector<double> lengths{0.0};
+  for (size_t i = 1; i < keyframes.size(); ++i) {
+    const Eigen::Vector2d step =
+        graph.Pose(keyframes[i].id).translation() - graph.Pose(keyframes[i - 1].id).translation();
+    lengths.push_back(lengths.back() + step.norm());
   }
   return lengths;
 }
@@ -120,12 +114,35 @@ std::vector<Question> Spaced(const std::vector<Keyframe>& keyframes, const std::
   return questions;
 }
 
-double DistanceToPath(const Submap& submap, const PoseGraph& graph, const Eigen::Vector2d& position) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const KeyframeId member : submap.keyframes) {
-    least = std::min(least, (graph.Pose(member).translation() - position).squaredNorm());
-  }
-  return std::sqrt(least);
+// The keyframes that may see submaps from which they have drifted beyond all windows, in their order.
+std::vector<Question> QuestionsOf(const LoopOptions& options, const PoseGraph& graph,
+                                  const RelativeUncertainty& uncertainty, const std::vector<Keyframe>& keyframes,
+                                  const std::vector<double>& path, const std::vector<Submap>& submaps,
+                                  int num_threads) {
+  std::vector<Question> questions = Spaced(keyframes, path, submaps.size());
+  const JoinedPieces pieces = PiecesJoinedBy(graph, submaps, path);
+  ParallelFor(submaps.size(), num_threads, [&](size_t s) {
+    const double middle = MiddleOf(submaps[s], path);
+    const SubmapPath submap_path(submaps[s], graph);
+    const RelativeUncertainty::View view = uncertainty.From(submaps[s].id);
+    for (Question& question : questions) {
+      if (pieces.Are(middle, path[question.keyframe])) continue;
+      const KeyframeId id = keyframes[question.keyframe].id;
+      const std::optional<Eigen::Matrix3d> covariance = view.Of(id);
+      if (!covariance) continue;
+      const SearchedWindow window = WindowOf(*covariance);
+      if (window.translation <= options.max_search_translation && window.rotation <= options.max_search_rotation) {
+        continue;
+      }
+      const double reach = options.candidate_radius + kDoubt * window.translation;
+      question.is_possible[s] = submap_path.DistanceTo(graph.Pose(id).translation(), reach) <= reach ? 1 : 0;
+    }
+  });
+  const auto is_sure = [](const Question& question) {
+    return std::find(question.is_possible.begin(), question.is_possible.end(), 1) == question.is_possible.end();
+  };
+  questions.erase(std::remove_if(questions.begin(), questions.end(), is_sure), questions.end());
+  return questions;
 }
 
 // True if both tell of one drift, or should: both are of one stretch, and recognise what came before it, or after.
@@ -134,9 +151,8 @@ bool AreComparable(const Answer& one, const Answer& other) {
 }
 
 bool Agree(const Answer& one, const Answer& other) {
-  const SE2 way = one.T_graph_base.Inverse() * other.T_graph_base;
-  return AreClose(one.T_map_base * way, other.T_map_base, kVoteTranslation + kBend * way.translation().norm(),
-                  kVoteRotation);
+  return AgreeOnPlace(one.T_map_base, one.T_graph_base, other.T_map_base, other.T_graph_base, kVoteTranslation,
+                      kVoteRotation);
 }
 
 // Accepts the answers that enough others agree with.
@@ -175,60 +191,35 @@ std::vector<LoopCandidate> DriftedLoopFinder::FindAll(const PoseGraph& graph, co
   if (options_.drift_votes == 0 || keyframes.empty()) return {};
   const RelativeUncertainty uncertainty(graph);
   const std::vector<double> path = PathLengths(graph, keyframes);
-  std::vector<Question> questions = Spaced(keyframes, path, submaps.size());
-  const JoinedPieces pieces = PiecesJoinedBy(graph, submaps, path);
-  ParallelFor(submaps.size(), num_threads, [&](size_t s) {
-    const double middle = MiddleOf(submaps[s], path);
-    const RelativeUncertainty::View view = uncertainty.From(submaps[s].id);
-    for (Question& question : questions) {
-      const KeyframeId id = keyframes[question.keyframe].id;
-      const std::optional<Eigen::Matrix3d> covariance = view.Of(id);
-      if (!covariance) continue;
-      const SearchedWindow window = WindowOf(*covariance);
-      if (window.translation <= options_.max_search_translation && window.rotation <= options_.max_search_rotation) {
-        continue;
-      }
-      if (pieces.Are(middle, path[question.keyframe])) continue;
-      const double distance = DistanceToPath(submaps[s], graph, graph.Pose(id).translation());
-      question.is_possible[s] = distance <= options_.candidate_radius + kDoubt * window.translation ? 1 : 0;
-    }
-  });
-  const auto is_answered = [](const Question& question) {
-    return std::find(question.is_possible.begin(), question.is_possible.end(), 1) == question.is_possible.end();
-  };
-  questions.erase(std::remove_if(questions.begin(), questions.end(), is_answered), questions.end());
+  const std::vector<Question> questions =
+      QuestionsOf(options_, graph, uncertainty, keyframes, path, submaps, num_threads);
   if (questions.empty()) return {};
 
   const PlaceRecognizer recognizer(place_options_, matcher_, matcher_options_.max_second_ratio, graph, keyframes,
                                    submaps);
   std::vector<std::optional<Answer>> given(questions.size());
+  const auto ask = [&](const Question& question, SubmapTargets* targets) -> std::optional<Answer> {
+    const Keyframe& keyframe = keyframes[question.keyframe];
+    const PlaceRecognition recognition = recognizer.Recognize(
+        keyframe.scan.Get()->points, targets, [&question](size_t submap) { return question.is_possible[submap] != 0; });
+    if (!recognition.best) return std::nullopt;
+    const PlaceCandidate& found = recognition.candidates[*recognition.best];
+    const SubmapId submap = submaps[found.submap_index].id;
+    const SE2& T_graph_base = graph.Pose(keyframe.id);
+    const SearchedWindow window = WindowOf(uncertainty.From(submap).Of(keyframe.id).value());
+    const double turn = NormalizeAngle(found.T_map_base.theta() - T_graph_base.theta());
+    const bool is_explained = std::abs(turn) <= kDoubt * window.rotation;
+    return Answer{{keyframe.id, submap, graph.Pose(submap).Inverse() * T_graph_base, window.translation,
+                   window.rotation, found.match, false, is_explained ? "" : "impossible drift"},
+                  found.T_map_base,
+                  T_graph_base,
+                  path[question.keyframe],
+                  path[static_cast<size_t>(found.keyframe.value)]};
+  };
   ParallelFor((questions.size() + kChunk - 1) / kChunk, num_threads, [&](size_t chunk) {
     SubmapTargets targets(submaps, cell_size_, matcher_options_.max_distance, kNumTargets);
     for (size_t i = chunk * kChunk; i < std::min(questions.size(), (chunk + 1) * kChunk); ++i) {
-      const Question& question = questions[i];
-      const Keyframe& keyframe = keyframes[question.keyframe];
-      const PlaceRecognition recognition =
-          recognizer.Recognize(keyframe.scan.Get()->points, &targets,
-                               [&](KeyframeId, size_t submap) { return question.is_possible[submap] != 0; });
-      if (!recognition.best) continue;
-      const PlaceCandidate& found = recognition.candidates[*recognition.best];
-      const SubmapId submap = submaps[found.submap_index].id;
-      const SE2& T_graph_base = graph.Pose(keyframe.id);
-      Answer answer;
-      answer.loop.keyframe = keyframe.id;
-      answer.loop.submap = submap;
-      answer.loop.prediction = graph.Pose(submap).Inverse() * T_graph_base;
-      answer.loop.match = found.match;
-      answer.T_map_base = found.T_map_base;
-      answer.T_graph_base = T_graph_base;
-      answer.path = path[question.keyframe];
-      answer.path_then = path[static_cast<size_t>(found.keyframe.value)];
-      const SearchedWindow window = WindowOf(uncertainty.From(submap).Of(keyframe.id).value());
-      answer.loop.search_translation = window.translation;
-      answer.loop.search_rotation = window.rotation;
-      const double turn = NormalizeAngle(found.T_map_base.theta() - T_graph_base.theta());
-      if (std::abs(turn) > kDoubt * window.rotation) answer.loop.reason = "impossible drift";
-      given[i] = std::move(answer);
+      given[i] = ask(questions[i], &targets);
     }
   });
   std::vector<Answer> answers;

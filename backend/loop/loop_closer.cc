@@ -1,35 +1,19 @@
 #include "backend/loop/loop_closer.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
-#include <nanoflann.hpp>
 #include <optional>
 #include <set>
 #include <utility>
 
 #include "backend/loop/relative_uncertainty.h"
+#include "backend/loop/submap_path.h"
 #include "core/config/validation.h"
 #include "core/parallel.h"
 
 namespace arborslam {
 namespace {
-
-// Positions as nanoflann wants them.
-struct Positions {
-  std::vector<Eigen::Vector2d> points;
-  size_t kdtree_get_point_count() const { return points.size(); }
-  double kdtree_get_pt(size_t index, size_t dimension) const {
-    return points[index](static_cast<Eigen::Index>(dimension));
-  }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Positions>, Positions, 2>;
 
 // A keyframe to be tried against a submap.
 struct Pair {
@@ -55,32 +39,19 @@ Pair WithWindow(Pair pair, const std::optional<Eigen::Matrix3d>& covariance, con
 
 // The keyframes that may see a submap of which the graph knows nothing yet, in their order.
 std::vector<Pair> PairsOf(const Submap& submap, const std::vector<Keyframe>& keyframes, const PoseGraph& graph,
-                          const RelativeUncertainty::View& uncertainty, const std::set<std::pair<int, int>>& known,
+                          const RelativeUncertainty::View& uncertainty, const std::set<LoopPair>& known,
                           const LoopOptions& options) {
   // What is not known well may be nearer than it seems.
   const double reach = options.candidate_radius + options.max_search_translation - options.search_translation;
-  std::set<KeyframeId> members(submap.keyframes.begin(), submap.keyframes.end());
-  Positions path;
-  Eigen::AlignedBox2d surroundings;
-  for (const KeyframeId member : submap.keyframes) {
-    path.points.push_back(graph.Pose(member).translation());
-    surroundings.extend(path.points.back());
-  }
-  surroundings.min().array() -= reach;
-  surroundings.max().array() += reach;
-  KdTree tree(2, path);
-  tree.buildIndex();
+  const std::set<KeyframeId> members(submap.keyframes.begin(), submap.keyframes.end());
+  const SubmapPath path(submap, graph);
   std::vector<Pair> pairs;
   for (size_t i = 0; i < keyframes.size(); i += static_cast<size_t>(options.keyframe_stride)) {
     const KeyframeId id = keyframes[i].id;
-    const Eigen::Vector2d position = graph.Pose(id).translation();
-    if (!keyframes[i].is_inserted || !surroundings.contains(position)) continue;
-    if (members.count(id) > 0 || known.count({submap.id.value, id.value}) > 0) continue;
-    uint32_t nearest = 0;
-    double squared_distance = std::numeric_limits<double>::infinity();
-    if (tree.knnSearch(position.data(), 1, &nearest, &squared_distance) == 0) continue;
-    if (squared_distance >= reach * reach) continue;
-    const Pair pair = WithWindow({id, std::sqrt(squared_distance), 0.0, 0.0}, uncertainty.Of(id), options);
+    if (!keyframes[i].is_inserted || members.count(id) > 0 || known.count({submap.id, id}) > 0) continue;
+    const double distance = path.DistanceTo(graph.Pose(id).translation(), reach);
+    if (!(distance < reach)) continue;
+    const Pair pair = WithWindow({id, distance, 0.0, 0.0}, uncertainty.Of(id), options);
     if (pair.distance <= options.candidate_radius + pair.search_translation - options.search_translation) {
       pairs.push_back(pair);
     }
@@ -151,15 +122,14 @@ LoopCloser::LoopCloser(const LoopOptions& options, const MatcherOptions& matcher
     : options_(options), max_distance_(matcher_options.max_distance), matcher_(matcher), cell_size_(cell_size) {}
 
 std::vector<LoopCandidate> LoopCloser::FindAll(const PoseGraph& graph, const std::vector<Keyframe>& keyframes,
-                                               const std::vector<Submap>& submaps,
-                                               const std::vector<LoopCandidate>& tried, int num_threads) const {
+                                               const std::vector<Submap>& submaps, const LoopsByPair& tried,
+                                               int num_threads) const {
   const RelativeUncertainty uncertainty(graph);
-  std::map<std::pair<int, int>, const LoopCandidate*> before;
-  for (const LoopCandidate& candidate : tried) before[{candidate.submap.value, candidate.keyframe.value}] = &candidate;
-  std::set<std::pair<int, int>> known;
+  std::set<LoopPair> known;
   for (const Constraint& constraint : graph.constraints()) {
-    const std::pair<int, int> pair(constraint.from.value, constraint.to.value);
-    if (constraint.from.kind == NodeId::Kind::kSubmap && before.count(pair) == 0) known.insert(pair);
+    if (constraint.from.kind != NodeId::Kind::kSubmap) continue;
+    const LoopPair pair(SubmapId{constraint.from.value}, KeyframeId{constraint.to.value});
+    if (tried.count(pair) == 0) known.insert(pair);
   }
   std::vector<std::vector<Pair>> near(submaps.size());
   ParallelFor(submaps.size(), num_threads, [&](size_t i) {
@@ -172,8 +142,8 @@ std::vector<LoopCandidate> LoopCloser::FindAll(const PoseGraph& graph, const std
     std::optional<MatchTarget> target;
     for (const Pair& pair : near[i]) {
       const SE2 prediction = graph.Pose(submaps[i].id).Inverse() * graph.Pose(pair.keyframe);
-      const auto earlier = before.find({submaps[i].id.value, pair.keyframe.value});
-      if (earlier != before.end() && IsSettled(*earlier->second, prediction, pair)) continue;
+      const auto earlier = tried.find({submaps[i].id, pair.keyframe});
+      if (earlier != tried.end() && IsSettled(earlier->second, prediction, pair)) continue;
       if (!target) target.emplace(*submaps[i].cells.Get(), cell_size_, max_distance_);
       const Keyframe& keyframe = keyframes[static_cast<size_t>(pair.keyframe.value)];
       LoopCandidate candidate{keyframe.id, submaps[i].id, prediction, pair.search_translation, pair.search_rotation,

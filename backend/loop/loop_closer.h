@@ -1,7 +1,9 @@
 #ifndef ARBORSLAM_BACKEND_LOOP_LOOP_CLOSER_H_
 #define ARBORSLAM_BACKEND_LOOP_LOOP_CLOSER_H_
 
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "backend/graph/pose_graph.h"
@@ -59,6 +61,11 @@ struct LoopCandidate {
   std::string reason;  ///< Why it was refused; empty when accepted.
 };
 
+using LoopPair = std::pair<SubmapId, KeyframeId>;
+
+/// Each pair as it was tried last.
+using LoopsByPair = std::map<LoopPair, LoopCandidate>;
+
 /// Finds where keyframes see submaps of another time again (design section 3, step 9):
 /// - candidates by position, in a window that follows how well the keyframe's pose is known relative to the submap;
 /// - match by branch and bound, checks by score, overlap and uniqueness. Orchards repeat themselves: a loop one tree or
@@ -78,7 +85,7 @@ class LoopCloser {
   /// @param tried those of earlier searches. Such a pair is tried again only if it was not accepted, and the graph has
   ///              changed so much that another place may be found for it.
   std::vector<LoopCandidate> FindAll(const PoseGraph& graph, const std::vector<Keyframe>& keyframes,
-                                     const std::vector<Submap>& submaps, const std::vector<LoopCandidate>& tried,
+                                     const std::vector<Submap>& submaps, const LoopsByPair& tried,
                                      int num_threads) const;
 
  private:

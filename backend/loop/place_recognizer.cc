@@ -33,7 +33,16 @@ std::vector<std::optional<size_t>> HomeSubmaps(size_t num_keyframes, const std::
   return homes;
 }
 
+// Of the way between two poses, by how much maps may place them differently.
+constexpr double kBend = 0.01;
+
 }  // namespace
+
+bool AgreeOnPlace(const SE2& T_map_one, const SE2& T_known_one, const SE2& T_map_other, const SE2& T_known_other,
+                  double translation, double rotation) {
+  const SE2 way = T_known_one.Inverse() * T_known_other;
+  return AreClose(T_map_one * way, T_map_other, translation + kBend * way.translation().norm(), rotation);
+}
 
 std::string PlaceOptions::Validate() const {
   if (!(max_range > 0.0)) return Violation("max_range", max_range, "be above 0 m");
@@ -106,11 +115,11 @@ PlaceRecognizer::PlaceRecognizer(const PlaceOptions& options, const Matcher& mat
 PlaceRecognizer::~PlaceRecognizer() = default;
 
 std::vector<size_t> PlaceRecognizer::Preselect(const PlaceDescriptor::RingKey& key,
-                                               const std::function<bool(KeyframeId, size_t)>& is_possible) const {
+                                               const std::function<bool(size_t)>& is_possible) const {
   if (!is_possible) return index_->FindNearest(key, kNumPreselected);
   std::vector<std::pair<float, size_t>> distances;
   for (size_t i = 0; i < places_.size(); ++i) {
-    if (!is_possible(places_[i].keyframe, places_[i].submap_index)) continue;
+    if (!is_possible(places_[i].submap_index)) continue;
     distances.emplace_back((places_[i].descriptor.ring_key - key).squaredNorm(), i);
   }
   std::sort(distances.begin(), distances.end());
@@ -120,8 +129,8 @@ std::vector<size_t> PlaceRecognizer::Preselect(const PlaceDescriptor::RingKey& k
   return indices;
 }
 
-std::vector<PlaceCandidate> PlaceRecognizer::FindAlike(
-    const PlaceDescriptor& query, const std::function<bool(KeyframeId, size_t)>& is_possible) const {
+std::vector<PlaceCandidate> PlaceRecognizer::FindAlike(const PlaceDescriptor& query,
+                                                       const std::function<bool(size_t)>& is_possible) const {
   std::vector<PlaceCandidate> alike;
   for (const size_t index : Preselect(query.ring_key, is_possible)) {
     const Place& place = places_[index];
@@ -148,7 +157,7 @@ std::vector<PlaceCandidate> PlaceRecognizer::FindAlike(
 }
 
 PlaceRecognition PlaceRecognizer::Recognize(const std::vector<Eigen::Vector2f>& points, SubmapTargets* targets,
-                                            const std::function<bool(KeyframeId, size_t)>& is_possible) const {
+                                            const std::function<bool(size_t)>& is_possible) const {
   PlaceRecognition result;
   if (places_.empty()) {
     result.reason = "no places";

@@ -60,6 +60,12 @@ struct PlaceRecognition {
   std::string reason;  ///< Why there is none; empty if there is.
 };
 
+/// True if two poses of something that is known in another frame, or less well, are recognised in the map such that
+/// they agree on where it lies there: each places the other no farther off than `translation` [m] and, maps being bent
+/// a little, 1 % of the way between them, and turns it no farther off than `rotation` [rad].
+bool AgreeOnPlace(const SE2& T_map_one, const SE2& T_known_one, const SE2& T_map_other, const SE2& T_known_other,
+                  double translation, double rotation);
+
 /// Tells where in a map a scan was taken, without any prior: places that look alike by their descriptors are matched
 /// by branch and bound, and the best match counts only if it is clean and without rival, that is if neither another
 /// candidate elsewhere nor any pose within `rival_translation` around it (a tree or a row away) is nearly as good.
@@ -74,10 +80,9 @@ class PlaceRecognizer {
 
   /// @param points  [m], base frame.
   /// @param targets of the same submaps; the calling thread's own.
-  /// @param is_possible of a keyframe and the index of the submap that it would be matched to: places that are not
-  ///                    possible are no candidates. Nothing: all are.
+  /// @param is_possible of a submap's index: places in others are no candidates. Nothing: all are.
   PlaceRecognition Recognize(const std::vector<Eigen::Vector2f>& points, SubmapTargets* targets,
-                             const std::function<bool(KeyframeId, size_t)>& is_possible = nullptr) const;
+                             const std::function<bool(size_t)>& is_possible = nullptr) const;
 
  private:
   struct Place {
@@ -89,10 +94,10 @@ class PlaceRecognizer {
 
   // The possible places that look most like `query`, best first.
   std::vector<PlaceCandidate> FindAlike(const PlaceDescriptor& query,
-                                        const std::function<bool(KeyframeId, size_t)>& is_possible) const;
+                                        const std::function<bool(size_t)>& is_possible) const;
   // Those whose ring keys are nearest to `key`, as indices.
   std::vector<size_t> Preselect(const PlaceDescriptor::RingKey& key,
-                                const std::function<bool(KeyframeId, size_t)>& is_possible) const;
+                                const std::function<bool(size_t)>& is_possible) const;
 
   PlaceOptions options_;
   Matcher matcher_;

@@ -14,8 +14,6 @@
 namespace arborslam {
 namespace {
 
-// Of the way between two keyframes, by how much the maps may place them differently.
-constexpr double kBend = 0.01;
 // [m], how far ahead of a keyframe a second point stands for its heading when a mean is taken.
 constexpr double kAhead = 5.0;
 // Match targets that are kept for neighbouring keyframes.
@@ -56,9 +54,8 @@ std::vector<std::optional<PlaceVote>> Ask(const std::vector<const Keyframe*>& as
 }
 
 bool Agree(const PlaceVote& one, const PlaceVote& other, const MergeOptions& options) {
-  const SE2 way = one.T_b_keyframe.Inverse() * other.T_b_keyframe;
-  return AreClose(one.T_a_keyframe * way, other.T_a_keyframe,
-                  options.vote_translation + kBend * way.translation().norm(), options.vote_rotation);
+  return AgreeOnPlace(one.T_a_keyframe, one.T_b_keyframe, other.T_a_keyframe, other.T_b_keyframe,
+                      options.vote_translation, options.vote_rotation);
 }
 
 // Takes out of `votes` those that agree with the one that most agree with; of several such, the first.

@@ -3,15 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
-#include <cmath>
-#include <cstdint>
-#include <string>
 #include <vector>
 
-#include "core/simulation/planar_orchard.h"
-#include "core/simulation/random.h"
 #include "frontend/projection/laser_projection.h"
 #include "tests/backend/drifted_run.h"
+#include "tests/backend/grid_orchard.h"
 
 namespace arborslam {
 namespace {
@@ -123,14 +119,8 @@ TEST_F(DriftedLoopFinderTest, NothingToCloseIsNoError) {
 // may have. Single answers may be a tree or a row off, but no such loop may count.
 TEST(DriftedLoopFinderInAGrid, AcceptsNoFalseLoop) {
   for (int seed = 1; seed <= 6; ++seed) {
-    PlanarOrchardOptions world = IdealPlanarOrchardOptions();
-    world.seed = seed;
-    world.rows = 5;
-    world.trees_per_row = 21;
-    const PlanarOrchard orchard(world);
-    Random random(static_cast<uint64_t>(seed));
-    const double direction = random.Uniform(-3.0, 3.0);
-    const SE2 drift(5.0 * std::cos(direction), 5.0 * std::sin(direction), 0.0);
+    const PlanarOrchard orchard(GridOrchardOptions(seed));
+    const SE2 drift = DriftInAGrid(seed);
     PoseGraph graph;
     std::vector<Keyframe> keyframes;
     std::vector<Submap> submaps(2);

@@ -10,6 +10,7 @@
 #include "core/simulation/planar_orchard.h"
 #include "core/simulation/random.h"
 #include "frontend/projection/laser_projection.h"
+#include "tests/backend/grid_orchard.h"
 #include "tests/backend/planar_posts.h"
 
 namespace arborslam {
@@ -163,19 +164,13 @@ TEST_F(LoopCloserTest, TheWindowFollowsWhatIsKnown) {
 TEST(LoopCloserInAGrid, AcceptsNoFalseLoop) {
   int num_tried = 0;
   for (int seed = 1; seed <= 20; ++seed) {
-    PlanarOrchardOptions world = IdealPlanarOrchardOptions();
-    world.seed = seed;
-    world.rows = 5;
-    world.trees_per_row = 21;
-    const PlanarOrchard orchard(world);
+    const PlanarOrchard orchard(GridOrchardOptions(seed));
     PoseGraph graph;
     std::vector<Keyframe> keyframes;
     Submap submap;
     submap.id = SubmapId{0};
     OccupancyGrid grid{OccupancyGridOptions()};
-    Random random(static_cast<uint64_t>(seed));
-    const double direction = random.Uniform(-3.0, 3.0);
-    const SE2 drift(5.0 * std::cos(direction), 5.0 * std::sin(direction), 0.0);
+    const SE2 drift = DriftInAGrid(seed);
     const auto add = [&](size_t scan, const SE2& T_map_base) {
       keyframes.push_back({KeyframeId{static_cast<int>(keyframes.size())},
                            ProjectLaserScan(orchard.Scan(scan), ProjectionOptions()), true});
