@@ -14,10 +14,6 @@ namespace {
 // Searches for loops that follow on each other: what was too far off is near once its neighbours are closed.
 constexpr int kMaxSearches = 20;
 
-// A loop this far off the refined map, in metres and in standard deviations, was wrong.
-constexpr double kFar = 0.5;  // [m], less than to the next tree or row, more than a submap bends.
-constexpr double kFarGate = 5.0;
-
 size_t NumAccepted(const LoopsByPair& by_pair) {
   return static_cast<size_t>(
       std::count_if(by_pair.begin(), by_pair.end(), [](const auto& entry) { return entry.second.accepted; }));
@@ -46,18 +42,6 @@ void RefuseDropped(const PoseGraphSummary& optimization, LoopsByPair* by_pair) {
     if (loop == by_pair->end()) continue;
     loop->second.accepted = false;
     loop->second.reason = kContradictsOthers;
-  }
-}
-
-// Refuses the loops that a map of later and better measurements contradicts.
-void RefuseContradicted(const PoseGraph& graph, std::vector<LoopCandidate>* loops) {
-  for (LoopCandidate& loop : *loops) {
-    if (!loop.accepted) continue;
-    const SE2 error = loop.match.pose.Inverse() * graph.Pose(loop.submap).Inverse() * graph.Pose(loop.keyframe);
-    const double squared_error = error.vector().dot(loop.match.information * error.vector());
-    if (error.translation().norm() <= kFar || squared_error <= kFarGate * kFarGate) continue;
-    loop.accepted = false;
-    loop.reason = kContradictsOthers;
   }
 }
 
@@ -104,8 +88,6 @@ GlobalSolution SolveGlobally(const SlamOptions& options, const Matcher& matcher,
     solution.refinements.push_back(graph->Optimize(options.graph, num_threads));
     solution.optimize_ms += stopwatch.Lap();
   }
-  // Only now that its measurements have been replaced: before, they are part of the map.
-  if (options.map_refinement.num_passes > 0) RefuseContradicted(*graph, &solution.loops);
   return solution;
 }
 

@@ -15,7 +15,7 @@ namespace arborslam {
 
 /// How a map was made consistent.
 struct GlobalSolution {
-  /// Every pair that was tried, as it was tried last; accepted are those that agree with the last solution.
+  /// Every pair that was tried, as it was tried last; accepted are those that `loop_optimization` kept.
   std::vector<LoopCandidate> loops;
   size_t num_loop_searches = 0;               ///< Near and after drift, until no more are found.
   PoseGraphSummary loop_optimization;         ///< The last of these.
