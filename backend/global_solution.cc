@@ -13,6 +13,11 @@ namespace {
 
 // Searches for loops that follow on each other: what was too far off is near once its neighbours are closed.
 constexpr int kMaxSearches = 20;
+// Once no more loops are found, none may lie farther than this from where it was found: less than to the next tree or
+// row. Before, a right one may only because the map is still bent.
+constexpr double kGreatestShift = 0.5;  // [m]
+// [standard deviations], less is no contradiction: a loop may leave a direction open.
+constexpr double kContradiction = 5.0;
 
 size_t NumAccepted(const LoopsByPair& by_pair) {
   return static_cast<size_t>(
@@ -35,8 +40,16 @@ bool AddLoops(std::vector<LoopCandidate> loops, PoseGraph* graph, LoopsByPair* b
   return has_accepted;
 }
 
-void RefuseDropped(const PoseGraphSummary& optimization, LoopsByPair* by_pair) {
-  for (const Constraint& dropped : optimization.dropped_loops) {
+// True if the graph places the two far from where they were found.
+bool IsContradicted(const Constraint& constraint, const PoseGraph& graph) {
+  const SE2 T_from_to = graph.Pose(constraint.from).Inverse() * graph.Pose(constraint.to);
+  const Eigen::Vector3d error = (constraint.T_from_to.Inverse() * T_from_to).vector();
+  return error.head<2>().norm() > kGreatestShift &&
+         error.dot(constraint.information * error) > kContradiction * kContradiction;
+}
+
+void RefuseDropped(const std::vector<Constraint>& dropped_loops, LoopsByPair* by_pair) {
+  for (const Constraint& dropped : dropped_loops) {
     // Of a merged map, loops of the sessions by themselves may be among them.
     const auto loop = by_pair->find({SubmapId{dropped.from.value}, KeyframeId{dropped.to.value}});
     if (loop == by_pair->end()) continue;
@@ -52,6 +65,10 @@ void CloseLoops(const SlamOptions& options, const Matcher& matcher, int num_thre
   const DriftedLoopFinder drifted(options.loop, options.place, options.matcher, matcher, options.grid.cell_size);
   LoopsByPair by_pair;
   Stopwatch stopwatch;
+  const auto optimize = [&] {
+    solution->loop_optimization = graph->Optimize(options.graph, num_threads);
+    RefuseDropped(solution->loop_optimization.dropped_loops, &by_pair);
+  };
   bool is_near = true;  // The next search is that of the closer.
   for (int search = 0; search < kMaxSearches; ++search) {
     const size_t num_before = NumAccepted(by_pair);
@@ -60,15 +77,19 @@ void CloseLoops(const SlamOptions& options, const Matcher& matcher, int num_thre
     const bool has_accepted = AddLoops(std::move(found), graph, &by_pair);
     solution->loop_ms += stopwatch.Lap();
     ++solution->num_loop_searches;
-    if (search == 0 || has_accepted) {
-      solution->loop_optimization = graph->Optimize(options.graph, num_threads);
-      RefuseDropped(solution->loop_optimization, &by_pair);
-      solution->optimize_ms += stopwatch.Lap();
-    }
+    if (search == 0 || has_accepted) optimize();
+    solution->optimize_ms += stopwatch.Lap();
     const bool has_grown = NumAccepted(by_pair) > num_before;
     if (!is_near && !has_grown) break;
     is_near = has_grown;
   }
+  const auto is_contradicted = [graph](const Constraint& loop) { return IsContradicted(loop, *graph); };
+  for (std::vector<Constraint> dropped = graph->DropLoops(is_contradicted); !dropped.empty();
+       dropped = graph->DropLoops(is_contradicted)) {
+    RefuseDropped(dropped, &by_pair);
+    optimize();
+  }
+  solution->optimize_ms += stopwatch.Lap();
   solution->loops.reserve(by_pair.size());
   for (auto& [pair, loop] : by_pair) solution->loops.push_back(std::move(loop));
 }

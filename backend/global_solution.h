@@ -15,7 +15,7 @@ namespace arborslam {
 
 /// How a map was made consistent.
 struct GlobalSolution {
-  /// Every pair that was tried, as it was tried last; accepted are those that `loop_optimization` kept.
+  /// Every pair that was tried, as it was tried last; accepted are those that stayed in the graph to the end.
   std::vector<LoopCandidate> loops;
   size_t num_loop_searches = 0;               ///< Near and after drift, until no more are found.
   PoseGraphSummary loop_optimization;         ///< The last of these.
@@ -27,8 +27,9 @@ struct GlobalSolution {
 };
 
 /// Makes a map consistent as a whole: closes loops, optimises the graph, and refines it against the corrected maps
-/// (design section 3, steps 9 and 10). `graph` and the cells of `submaps` become those of the solution. The same bits
-/// for any number of threads.
+/// (design section 3, steps 9 and 10). Loops that the solved graph contradicts by half a metre or more, so that they
+/// must be wrong by a tree or along a direction in which the scan hardly holds, are taken out before it is refined.
+/// `graph` and the cells of `submaps` become those of the solution. The same bits for any number of threads.
 /// @param keyframes keyframe i with id i.
 GlobalSolution SolveGlobally(const SlamOptions& options, const Matcher& matcher, int num_threads,
                              const std::vector<Keyframe>& keyframes, PoseGraph* graph, std::vector<Submap>* submaps);

@@ -3,6 +3,7 @@
 #include <ceres/cost_function.h>
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -34,6 +35,16 @@ void PoseGraph::AddConstraint(const Constraint& constraint) {
   CHECK(constraint.information.allFinite() && constraint.T_from_to.vector().allFinite())
       << constraint.from << " to " << constraint.to << " is not finite";
   constraints_.push_back(constraint);
+}
+
+std::vector<Constraint> PoseGraph::DropLoops(const std::function<bool(const Constraint&)>& is_wrong) {
+  const auto first_wrong =
+      std::stable_partition(constraints_.begin(), constraints_.end(), [&](const Constraint& constraint) {
+        return constraint.kind != Constraint::Kind::kLoop || !is_wrong(constraint);
+      });
+  std::vector<Constraint> dropped(first_wrong, constraints_.end());
+  constraints_.erase(first_wrong, constraints_.end());
+  return dropped;
 }
 
 PoseGraphSummary PoseGraph::Optimize(const PoseGraphOptions& options, int num_threads) {

@@ -63,6 +63,30 @@ TEST_F(GlobalSolutionTest, LoopsThatCountAreThoseOfTheGraph) {
   EXPECT_GE(num_accepted, 10u);
 }
 
+TEST_F(GlobalSolutionTest, DropsWeakLoopsThatTheOthersContradict) {
+  PoseGraph graph = drifted_.Graph(SE2(0.5, 0.0, 0.0), {1.0, 1.0, 0.1});
+  const auto add = [&](int keyframe, const SE2& error, const Eigen::Vector3d& information) {
+    const SE2 T_submap_keyframe =
+        drifted_.run.truth.front().Inverse() * drifted_.run.truth[static_cast<size_t>(keyframe)];
+    graph.AddConstraint({SubmapId{0}, KeyframeId{keyframe}, T_submap_keyframe * error, information.asDiagonal(),
+                         Constraint::Kind::kLoop});
+  };
+  // Eight standard deviations, less than the gate.
+  add(30, SE2(0.8, 0.0, 0.0), {100.0, 1e4, 1e4});
+  // Off in a direction that it leaves open.
+  add(32, SE2(0.8, 0.0, 0.0), {0.0, 1e4, 1e4});
+  Solve(&graph);
+  const auto has_loop = [&](int keyframe) {
+    return std::any_of(graph.constraints().begin(), graph.constraints().end(), [&](const Constraint& constraint) {
+      return constraint.kind == Constraint::Kind::kLoop && constraint.from == NodeId(SubmapId{0}) &&
+             constraint.to == NodeId(KeyframeId{keyframe});
+    });
+  };
+  EXPECT_FALSE(has_loop(30));
+  EXPECT_TRUE(has_loop(32));
+  EXPECT_LT(GreatestError(graph, drifted_.run.truth), 0.05);
+}
+
 TEST_F(GlobalSolutionTest, TheSameForAnyNumberOfThreads) {
   PoseGraph one = drifted_.Graph(SE2(7.0, -6.0, 0.2), {10.0, 10.0, 0.5});
   PoseGraph three = one;

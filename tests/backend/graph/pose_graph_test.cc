@@ -63,6 +63,26 @@ std::multiset<Pair> PairsOf(const std::vector<Constraint>& constraints) {
   return pairs;
 }
 
+TEST(PoseGraph, DropsTheLoopsThatAreCalledWrongAndNothingElse) {
+  PoseGraph graph;
+  for (int i = 0; i < 4; ++i) graph.AddNode(KeyframeId{i}, SE2(i, 0.0, 0.0));
+  const auto add = [&graph](int from, int to, Kind kind) {
+    graph.AddConstraint({KeyframeId{from}, KeyframeId{to}, SE2(), Diagonal(0.1, 0.1), kind});
+  };
+  add(0, 1, Kind::kMotion);
+  add(0, 2, Kind::kLoop);
+  add(1, 3, Kind::kLoop);
+  add(1, 2, Kind::kSubmap);
+  add(0, 3, Kind::kLoop);
+  const std::vector<Constraint> dropped =
+      graph.DropLoops([](const Constraint& loop) { return loop.from == NodeId(KeyframeId{0}); });
+  ASSERT_EQ(dropped.size(), 2u);
+  EXPECT_EQ(dropped[0].to, NodeId(KeyframeId{2}));
+  EXPECT_EQ(dropped[1].to, NodeId(KeyframeId{3}));
+  EXPECT_EQ(PairsOf(graph.constraints()), (std::multiset<Pair>{{0, 1}, {1, 2}, {1, 3}}));
+  EXPECT_EQ(graph.Pose(KeyframeId{3}).vector(), Eigen::Vector3d(3.0, 0.0, 0.0));
+}
+
 TEST(PoseGraphOptions, ValuesOutOfRangeAreNamed) {
   PoseGraphOptions options;
   EXPECT_EQ(options.Validate(), "");
