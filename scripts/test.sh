@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Builds and runs all tests, optimised and then under the address and undefined-behaviour sanitizers.
+# Builds and runs all tests, optimised and then, but for the longest walks through recorded data, under the address and
+# undefined-behaviour sanitizers.
 #
 # Environment:
 #   ARBORSLAM_DATA=DIR     recorded data; tests that need data which is absent are skipped.

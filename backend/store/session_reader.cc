@@ -18,6 +18,26 @@ namespace arborslam {
 namespace {
 
 constexpr int64_t kMostIds = std::numeric_limits<int>::max();
+// [m], [rad] and [s]: what is greater, or no number, was never measured.
+constexpr double kGreatestLength = 1e6;
+constexpr double kGreatestAngle = 1e3;
+constexpr double kGreatestTime = 1e12;
+
+bool IsLength(double value) { return std::abs(value) <= kGreatestLength; }
+bool IsAngle(double value) { return std::abs(value) <= kGreatestAngle; }
+bool IsTime(double value) { return std::abs(value) <= kGreatestTime; }
+
+bool IsPose(const SE2& pose) { return IsLength(pose.x()) && IsLength(pose.y()) && IsAngle(pose.theta()); }
+bool IsTilt(const Tilt3& tilt) { return IsAngle(tilt.roll) && IsAngle(tilt.pitch) && IsLength(tilt.z); }
+
+template <int kSize>
+bool IsPoint(const Eigen::Matrix<float, kSize, 1>& point) {
+  return (point.array().abs() <= static_cast<float>(kGreatestLength)).all();
+}
+
+bool ArePoints(const std::vector<Eigen::Vector2f>& points) {
+  return std::all_of(points.begin(), points.end(), [](const Eigen::Vector2f& point) { return IsPoint(point); });
+}
 
 // A session to read: a file of the present format, or a copy in memory of one of an older format.
 std::unique_ptr<Database> OpenSession(const std::string& path) {
@@ -90,10 +110,6 @@ class Reader {
 
   static std::string Part(const char* what, size_t number) { return what + (" " + std::to_string(number)); }
 
-  bool AreFinite(const std::vector<Eigen::Vector2f>& points) const {
-    return std::all_of(points.begin(), points.end(), [](const Eigen::Vector2f& point) { return point.allFinite(); });
-  }
-
   void ReadRecordings(SessionContents* contents) {
     for (std::string& name : RecordingNames()) contents->recordings.push_back({std::move(name), 0, 0});
     if (contents->is_finished || contents->recordings.size() == 1) return;
@@ -132,8 +148,11 @@ class Reader {
       if (result.status != ScanStatus::kSkipped) {
         PosedScan posed;
         fields(posed);
-        Require(std::isfinite(posed.stamp) && (recording.num_posed == 0 || posed.stamp > contents->scans.back().stamp),
-                part, "its stamp is not after the one before");
+        Require(IsPose(result.T_odom_base) && IsTilt(result.tilt) && IsPose(posed.T_keyframe_scan) &&
+                    IsTilt(posed.tilt) && IsTilt(posed.local_tilt) && IsTilt(posed.odometry_tilt),
+                part, "its pose is impossible");
+        Require(IsTime(posed.stamp) && (recording.num_posed == 0 || posed.stamp > contents->scans.back().stamp), part,
+                "its stamp is not after the one before");
         posed.ground = Kept(posed.ground);
         posed.lines = Kept(posed.lines);
         ++recording.num_posed;
@@ -165,8 +184,8 @@ class Reader {
       PlanarScan scan;
       fields(scan);
       fields.CheckEnd();
-      Require(std::isfinite(scan.stamp) && AreFinite(scan.points) && AreFinite(scan.free_ends), part,
-              "it holds values that are not finite");
+      Require(IsTime(scan.stamp) && ArePoints(scan.points) && ArePoints(scan.free_ends), part,
+              "it holds values that are impossible");
       keyframe.scan = {std::move(scan), store_};
       contents->keyframes.push_back(std::move(keyframe));
     }
@@ -180,7 +199,7 @@ class Reader {
     const double x = row.Real(column);
     const double y = row.Real(column + 1);
     const double theta = row.Real(column + 2);
-    Require(std::isfinite(x) && std::isfinite(y) && std::isfinite(theta), part, "its pose is not finite");
+    Require(IsLength(x) && IsLength(y) && IsAngle(theta), part, "its pose is impossible");
     return SE2(x, y, theta);
   }
 
@@ -252,7 +271,7 @@ class Reader {
       }
       const std::shared_ptr<const std::vector<OccupiedCell>> cells = submap.cells.Get();
       for (const OccupiedCell& cell : *cells) {
-        Require(cell.centroid.allFinite() && std::isfinite(cell.log_odds), part, "a cell of it is not finite");
+        Require(IsPoint(cell.centroid) && std::isfinite(cell.log_odds), part, "a cell of it is impossible");
       }
       submap.cells = Kept(submap.cells);
       contents->submaps.push_back(std::move(submap));
@@ -266,6 +285,7 @@ class Reader {
       const std::string part = Part("tilt of scan", index);
       Require(row.Integer(0) == static_cast<int64_t>(index) && index < contents->scans.size(), part, "it is misplaced");
       contents->scans[index].tilt = {row.Real(1), row.Real(2), row.Real(3)};
+      Require(IsTilt(contents->scans[index].tilt), part, "it is impossible");
     }
     Require(index == contents->scans.size(), "table tilts", "it does not go with the scans");
   }
@@ -276,7 +296,7 @@ class Reader {
     const std::string part = std::string("table session, ") + kSessionStampShift;
     Require(row.Step(), part, "there is none");
     const double shift = row.Real(0);
-    Require(std::isfinite(shift), part, "it is not finite");
+    Require(IsTime(shift), part, "it is impossible");
     for (PosedScan& scan : contents->scans) scan.stamp += shift;
     ShiftStamps(shift, &contents->keyframes);
   }
