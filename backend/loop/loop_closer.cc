@@ -111,6 +111,7 @@ std::string LoopOptions::Validate() const {
   if (!(rival_translation > 0.0 && rival_translation <= 50.0)) {
     return Violation("rival_translation", rival_translation, "lie in (0, 50] m");
   }
+  if (!(rival_share > 0.0 && rival_share <= 1.0)) return Violation("rival_share", rival_share, "lie in (0, 1]");
   if (drift_votes < 0) return Violation("drift_votes", drift_votes, "be at least 0");
   if (!(max_score > 0.0)) return Violation("max_score", max_score, "be above 0 m");
   if (!(min_overlap >= 0.0 && min_overlap <= 1.0)) return Violation("min_overlap", min_overlap, "lie in [0, 1]");
@@ -165,7 +166,7 @@ void LoopCloser::Judge(const MatchTarget& target, const std::vector<Eigen::Vecto
   candidate->reason = RefusalReason(candidate->match, options_.max_score, options_.min_overlap);
   if (candidate->reason.empty()) {
     matcher_.CheckUniqueness(target, points, SearchWindow{options_.rival_translation, rotation, 0.02, {}},
-                             &candidate->match);
+                             &candidate->match, options_.rival_share);
     candidate->reason = RefusalReason(candidate->match, options_.max_score, options_.min_overlap);
   }
   candidate->accepted = candidate->reason.empty();

@@ -23,10 +23,12 @@ struct LoopOptions {
   double max_search_rotation = 0.3;     ///< [rad], of the heading likewise.
   double rival_translation = 5.0;  ///< [m], so far around a loop no second pose may fit nearly as well: more than from
                                    ///< tree to tree and from row to row.
-  int drift_votes = 5;             ///< Beyond the greatest window, so many scans of one stretch must recognise places
-                                   ///< that agree on how far the stretch has drifted; 0: windows are all.
-  double max_score = 0.08;         ///< [m], a loop's MHD may not exceed this.
-  double min_overlap = 0.6;        ///< Share of the scan's points that must meet the submap.
+  double rival_share = 0.4;  ///< Share of the scan's points, those that fit best, by which such poses are judged: a
+                             ///< submap has seen only one side of things, and ends, where the stand does not.
+  int drift_votes = 5;       ///< Beyond the greatest window, so many scans of one stretch must recognise places
+                             ///< that agree on how far the stretch has drifted; 0: windows are all.
+  double max_score = 0.08;   ///< [m], a loop's MHD may not exceed this.
+  double min_overlap = 0.6;  ///< Share of the scan's points that must meet the submap.
 
   std::string Validate() const;
 
@@ -40,6 +42,7 @@ struct LoopOptions {
     visit("max_search_translation", max_search_translation);
     visit("max_search_rotation", max_search_rotation);
     visit("rival_translation", rival_translation);
+    visit("rival_share", rival_share);
     visit("drift_votes", drift_votes);
     visit("max_score", max_score);
     visit("min_overlap", min_overlap);
@@ -71,8 +74,9 @@ using LoopsByPair = std::map<LoopPair, LoopCandidate>;
 /// - match by branch and bound, checks by score, overlap and uniqueness. Orchards repeat themselves: a loop one tree or
 ///   one row off fits as well as the true one wherever the stand is regular and no end of it is in sight. So a loop
 ///   counts only if no pose within `rival_translation` fits nearly as well, however narrow the window was in which it
-///   was found: a drift that the graph knows nothing of would otherwise have left the true pose outside of it. In an
-///   exact grid nothing is accepted but what sees the grid end;
+///   was found: a drift that the graph knows nothing of would otherwise have left the true pose outside of it. And
+///   such a pose is judged by the part of the scan that fits it best, for where a submap ends the stand may go on: in
+///   an exact grid nothing is accepted but what sees the grid end;
 /// - mutual consistency is left to `PoseGraph::Optimize`, whose graduated non-convexity weighs all loops together along
 ///   with what the run itself measured; a largest clique of pairwise consistent loops sees only pairs, and would have
 ///   to guess the drift between them.

@@ -94,16 +94,19 @@ MatchResult Matcher::MatchBetter(const MatchTarget& target, const std::vector<Ei
 }
 
 void Matcher::CheckUniqueness(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,
-                              const SearchWindow& window, MatchResult* match) const {
+                              const SearchWindow& window, MatchResult* match, double share) const {
+  MhdOptions mhd = mhd_;
+  mhd.alpha_min = std::min(mhd.alpha_min, share);
+  mhd.alpha_max = std::min(mhd.alpha_max, share);
   // To compare modes takes a finer sample than to find one.
   const std::vector<Eigen::Vector2f> sample = Subsample(points, 2 * options_.max_search_points);
   const std::optional<SearchResult> best =
-      BranchAndBound(target, sample, match->pose, kGridWindow, mhd_, std::numeric_limits<double>::infinity());
+      BranchAndBound(target, sample, match->pose, kGridWindow, mhd, std::numeric_limits<double>::infinity());
   if (!best) return;
   // The search tells costs apart by quantisation steps: a perfect one, 0, must not rule out its equals.
   const double step = static_cast<double>(target.field().max_distance()) / MinPyramid::kNumSteps;
   const double limit = std::max(best->cost, step) / options_.max_second_ratio;
-  const std::optional<SearchResult> rival = BranchAndBound(target, sample, match->pose, window, mhd_, limit,
+  const std::optional<SearchResult> rival = BranchAndBound(target, sample, match->pose, window, mhd, limit,
                                                            Exclusion{match->pose, kModeTranslation, kModeRotation});
   if (!rival) return;
   match->verdict = MatchVerdict::kAmbiguous;

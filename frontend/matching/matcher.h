@@ -91,8 +91,11 @@ class Matcher {
   /// Searches `window` around `match->pose`, without the neighbourhood of that, for a pose that fits nearly as well. If
   /// there is one, the match becomes ambiguous and its second score is that pose's cost [m]. The window may be wider
   /// than the one that the match was found in: a tree or a row farther on things may look the same.
+  /// @param share of the points, those that fit best, by which poses are judged (alpha of paper eq. 9-12 is no
+  /// greater):
+  ///              what the map has not seen then does not speak against a rival.
   void CheckUniqueness(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,
-                       const SearchWindow& window, MatchResult* match) const;
+                       const SearchWindow& window, MatchResult* match, double share = 1.0) const;
 
   /// Refines from `initial` without a search.
   MatchResult MatchNear(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,

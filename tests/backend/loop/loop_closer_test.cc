@@ -27,6 +27,9 @@ TEST(LoopOptions, ValuesOutOfRangeAreNamed) {
   options = {};
   options.search_rotation = 4.0;
   EXPECT_EQ(options.Validate().substr(0, 15), "search_rotation");
+  options = {};
+  options.rival_share = 0.0;
+  EXPECT_EQ(options.Validate().substr(0, 11), "rival_share");
 }
 
 // There along a line and back along the same line, 1 m a keyframe; the submap is made of the first ten.

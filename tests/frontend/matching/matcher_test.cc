@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "core/geometry/angles.h"
 #include "tests/frontend/simulated_run.h"
@@ -117,6 +119,30 @@ TEST(MatcherTest, AnExactlyRepeatingGridIsAmbiguous) {
   EXPECT_EQ(match.verdict, MatchVerdict::kAccepted);
 }
 
+TEST(MatcherTest, WhereTheMapOfAGridEndsARivalIsJudgedByThePartThatFits) {
+  const PlanarOrchard orchard(EndlessGrid());
+  const size_t index = 100;
+  const SE2 truth = orchard.TruePose(index);
+  // The map and the scan end 2.6 m ahead and behind, so that the next tree's pose leaves much of the scan without map.
+  const auto is_near = [&truth](const Eigen::Vector2f& in_map) { return std::abs(in_map.x() - truth.x()) < 2.6; };
+  std::vector<OccupiedCell> cells;
+  const OccupancyGrid grid = MapOf(orchard, index - 30, 61, index);
+  for (const OccupiedCell& cell : grid.OccupiedCells(static_cast<float>(LogOddsOf(0.55)))) {
+    if (is_near(cell.centroid)) cells.push_back(cell);
+  }
+  const MatchTarget target(cells, grid.cell_size(), kTestMaxDistance);
+  std::vector<Eigen::Vector2f> points;
+  for (const Eigen::Vector2f& point : PointsOf(orchard, index)) {
+    if (is_near((truth * point.cast<double>()).cast<float>())) points.push_back(point);
+  }
+  const SearchWindow window{2.3, 0.1, 0.01, {}};
+  MatchResult match = DefaultMatcher().Match(target, points, truth, window);
+  DefaultMatcher().CheckUniqueness(target, points, window, &match);
+  EXPECT_EQ(match.verdict, MatchVerdict::kAccepted);
+  DefaultMatcher().CheckUniqueness(target, points, window, &match, 0.4);
+  EXPECT_EQ(match.verdict, MatchVerdict::kAmbiguous);
+}
+
 TEST(MatcherTest, AnIrregularOrchardIsNotAmbiguous) {
   PlanarOrchardOptions options = CleanOptions();
   options.position_jitter = 0.6;
@@ -127,6 +153,8 @@ TEST(MatcherTest, AnIrregularOrchardIsNotAmbiguous) {
   MatchResult match = DefaultMatcher().Match(target, points, orchard.TruePose(50), beyond_a_tree);
   DefaultMatcher().CheckUniqueness(target, points, beyond_a_tree, &match);
   EXPECT_EQ(match.verdict, MatchVerdict::kAccepted);
+  DefaultMatcher().CheckUniqueness(target, points, beyond_a_tree, &match, 0.4);
+  EXPECT_EQ(match.verdict, MatchVerdict::kAccepted) << "by the part that fits best, too";
 }
 
 TEST(MatcherTest, MatchBetterFindsNothingThatIsNotBetter) {
