@@ -84,8 +84,9 @@ void CloseLoops(const SlamOptions& options, const Matcher& matcher, int num_thre
     is_near = has_grown;
   }
   const auto is_contradicted = [graph](const Constraint& loop) { return IsContradicted(loop, *graph); };
-  for (std::vector<Constraint> dropped = graph->DropLoops(is_contradicted); !dropped.empty();
-       dropped = graph->DropLoops(is_contradicted)) {
+  while (true) {
+    const std::vector<Constraint> dropped = graph->DropLoops(is_contradicted);
+    if (dropped.empty()) break;
     RefuseDropped(dropped, &by_pair);
     optimize();
   }
