@@ -1,6 +1,9 @@
 #include "backend/refine/map_refiner.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <set>
@@ -11,8 +14,42 @@
 namespace arborslam {
 namespace {
 
-// Where a spoilt scan is looked for.
-constexpr SearchWindow kSpoiltWindow{1.0, 0.3, 0.01, {0.02, 0.0}};
+// Where a scan is looked for that may lie too far off to refine its place from there.
+constexpr SearchWindow kLostWindow{1.0, 0.3, 0.01, {0.02, 0.0}};
+// Matches that leave a standard deviation of more than this share of D_max in every direction hold hardly anything: the
+// scan may lie in a wrong mode.
+constexpr double kWeakShare = 1.0 / 3.0;
+
+// What was measured of the keyframes in each submap, in the submaps' order.
+using ConstraintsBySubmap = std::vector<std::vector<Constraint>>;
+
+bool IsOf(const Submap& submap, KeyframeId id) {
+  return std::binary_search(submap.keyframes.begin(), submap.keyframes.end(), id);
+}
+
+bool IsOfTheTimeOf(const Submap& submap, KeyframeId id) {
+  return submap.keyframes.front() < id && id < submap.keyframes.back();
+}
+
+// [m], standard deviation of the position along the direction that is known best; infinite if none is.
+double LeastDeviation(const Eigen::Matrix3d& information) {
+  const Eigen::Matrix2d of_position = information.topLeftCorner<2, 2>();
+  const double greatest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(of_position).eigenvalues().y();
+  return greatest > 0.0 ? 1.0 / std::sqrt(greatest) : std::numeric_limits<double>::infinity();
+}
+
+// The keyframes that are held to `max_deviation` [m] or better in some direction.
+std::set<NodeId> WellHeld(const ConstraintsBySubmap& foreign, const ConstraintsBySubmap& own, double max_deviation) {
+  std::set<NodeId> held;
+  for (const ConstraintsBySubmap* measured : {&foreign, &own}) {
+    for (const auto& of_submap : *measured) {
+      for (const Constraint& constraint : of_submap) {
+        if (LeastDeviation(constraint.information) <= max_deviation) held.insert(constraint.to);
+      }
+    }
+  }
+  return held;
+}
 
 }  // namespace
 
@@ -30,42 +67,45 @@ MapRefiner::MapRefiner(const MapRefinementOptions& options, const OccupancyGridO
       max_distance_(max_distance),
       matcher_(matcher) {}
 
+std::vector<OccupiedCell> MapRefiner::CellsOf(const Submap& submap, const PoseGraph& graph,
+                                              const std::vector<Keyframe>& keyframes,
+                                              std::optional<KeyframeId> left_out) const {
+  const SE2 T_submap_map = graph.Pose(submap.id).Inverse();
+  OccupancyGrid grid(grid_options_);
+  for (const KeyframeId id : submap.keyframes) {
+    if (id == left_out) continue;
+    grid.Insert(T_submap_map * graph.Pose(id), *keyframes[static_cast<size_t>(id.value)].scan.Get());
+  }
+  return grid.OccupiedCells(min_log_odds_);
+}
+
 PoseGraph MapRefiner::Remeasure(const PoseGraph& graph, const std::vector<Keyframe>& keyframes,
                                 std::vector<Submap>* submaps, int num_threads) const {
   const auto measure = [&](const MatchTarget& target, const Submap& submap, const Keyframe& keyframe,
-                           Constraint::Kind kind) -> std::optional<Constraint> {
-    // A spoilt scan may lie where only the motion model put it, too far off to refine from there: its place is
-    // searched for in the maps of its own time.
-    const bool is_of_this_time = submap.keyframes.front() < keyframe.id && keyframe.id < submap.keyframes.back();
+                           bool is_lost) -> std::optional<Constraint> {
     const SE2 initial = graph.Pose(submap.id).Inverse() * graph.Pose(keyframe.id);
     const std::shared_ptr<const PlanarScan> scan = keyframe.scan.Get();
-    const MatchResult match = !keyframe.is_inserted && is_of_this_time
-                                  ? matcher_.Match(target, scan->points, initial, kSpoiltWindow)
-                                  : matcher_.MatchNear(target, scan->points, initial);
+    const MatchResult match = is_lost ? matcher_.Match(target, scan->points, initial, kLostWindow)
+                                      : matcher_.MatchNear(target, scan->points, initial);
     if (!IsUsable(match.verdict)) return std::nullopt;
+    const Constraint::Kind kind = IsOf(submap, keyframe.id) ? Constraint::Kind::kSubmap : Constraint::Kind::kLoop;
     return Constraint{submap.id, keyframe.id, match.pose, match.information, kind};
   };
-  const auto is_own = [](const Submap& submap, KeyframeId id) {
-    return std::binary_search(submap.keyframes.begin(), submap.keyframes.end(), id);
-  };
-  std::vector<std::vector<Constraint>> foreign(submaps->size());
+  ConstraintsBySubmap foreign(submaps->size());
   ParallelFor(submaps->size(), num_threads, [&](size_t i) {
     Submap& submap = (*submaps)[i];
-    const SE2 T_submap_map = graph.Pose(submap.id).Inverse();
-    OccupancyGrid grid(grid_options_);
-    for (const KeyframeId id : submap.keyframes) {
-      grid.Insert(T_submap_map * graph.Pose(id), *keyframes[static_cast<size_t>(id.value)].scan.Get());
-    }
-    submap.cells = submap.cells.Replaced(grid.OccupiedCells(min_log_odds_));
+    submap.cells = submap.cells.Replaced(CellsOf(submap, graph, keyframes, std::nullopt));
     const MatchTarget target(*submap.cells.Get(), grid_options_.cell_size, max_distance_);
     for (const Keyframe& keyframe : keyframes) {
-      if (is_own(submap, keyframe.id)) continue;
+      if (IsOf(submap, keyframe.id)) continue;
       const Eigen::Vector2d& position = graph.Pose(keyframe.id).translation();
       const bool near = std::any_of(submap.keyframes.begin(), submap.keyframes.end(), [&](KeyframeId member) {
         return (graph.Pose(member).translation() - position).norm() <= options_.radius;
       });
       if (!near) continue;
-      const std::optional<Constraint> measured = measure(target, submap, keyframe, Constraint::Kind::kLoop);
+      // A spoilt scan may lie where only the motion model put it: its place is searched for in the maps of its time.
+      const bool is_lost = !keyframe.is_inserted && IsOfTheTimeOf(submap, keyframe.id);
+      const std::optional<Constraint> measured = measure(target, submap, keyframe, is_lost);
       if (measured) foreign[i].push_back(*measured);
     }
   });
@@ -75,7 +115,7 @@ PoseGraph MapRefiner::Remeasure(const PoseGraph& graph, const std::vector<Keyfra
   }
   // A scan that is part of a map matches it where it already lies, which would hold every pose where it is. So a
   // submap's own keyframes count only where no other submap has seen them.
-  std::vector<std::vector<Constraint>> own(submaps->size());
+  ConstraintsBySubmap own(submaps->size());
   ParallelFor(submaps->size(), num_threads, [&](size_t i) {
     const Submap& submap = (*submaps)[i];
     std::optional<MatchTarget> target;
@@ -83,8 +123,26 @@ PoseGraph MapRefiner::Remeasure(const PoseGraph& graph, const std::vector<Keyfra
       if (seen_by_others.count(id) > 0) continue;
       if (!target) target.emplace(*submap.cells.Get(), grid_options_.cell_size, max_distance_);
       const std::optional<Constraint> measured =
-          measure(*target, submap, keyframes[static_cast<size_t>(id.value)], Constraint::Kind::kSubmap);
+          measure(*target, submap, keyframes[static_cast<size_t>(id.value)], false);
       if (measured) own[i].push_back(*measured);
+    }
+  });
+  // Nor does such a map show that a scan which holds hardly anything lies wrong. It is searched for in the maps of its
+  // time as they are without it.
+  const std::set<NodeId> well_held = WellHeld(foreign, own, kWeakShare * max_distance_);
+  ParallelFor(submaps->size(), num_threads, [&](size_t i) {
+    const Submap& submap = (*submaps)[i];
+    for (const KeyframeId id : submap.keyframes) {
+      if (well_held.count(id) > 0 || !IsOfTheTimeOf(submap, id)) continue;
+      const MatchTarget target(CellsOf(submap, graph, keyframes, id), grid_options_.cell_size, max_distance_);
+      const std::optional<Constraint> measured =
+          measure(target, submap, keyframes[static_cast<size_t>(id.value)], true);
+      if (!measured) continue;
+      std::vector<Constraint>& known = own[i];
+      known.erase(
+          std::remove_if(known.begin(), known.end(), [id](const Constraint& one) { return one.to == NodeId(id); }),
+          known.end());
+      known.push_back(*measured);
     }
   });
 

@@ -1,11 +1,13 @@
 #ifndef ARBORSLAM_BACKEND_REFINE_MAP_REFINER_H_
 #define ARBORSLAM_BACKEND_REFINE_MAP_REFINER_H_
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "backend/graph/pose_graph.h"
 #include "backend/keyframe.h"
+#include "core/map/occupancy_grid.h"
 #include "core/map/submap.h"
 #include "frontend/matching/matcher.h"
 
@@ -25,7 +27,8 @@ struct MapRefinementOptions {
 };
 
 /// The offline refinement: builds the submaps anew from the optimised poses, matches every keyframe to every submap
-/// around it, and solves the graph of all these measurements; several times over (design section 3, step 10).
+/// around it, and solves the graph of all these measurements; several times over (design section 3, step 10). Scans
+/// that may lie far off, spoilt ones and those that no match holds well, are searched for in the maps of their time.
 class MapRefiner {
  public:
   MapRefiner(const MapRefinementOptions& options, const OccupancyGridOptions& grid, double min_occupancy,
@@ -37,6 +40,10 @@ class MapRefiner {
                       int num_threads) const;
 
  private:
+  // A submap's cells at the poses of `graph`, without the scan of `left_out`.
+  std::vector<OccupiedCell> CellsOf(const Submap& submap, const PoseGraph& graph,
+                                    const std::vector<Keyframe>& keyframes, std::optional<KeyframeId> left_out) const;
+
   MapRefinementOptions options_;
   OccupancyGridOptions grid_options_;
   float min_log_odds_;

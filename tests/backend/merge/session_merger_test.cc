@@ -108,8 +108,8 @@ TEST_F(SessionMergerTest, FindsHowTwoMapsOfOneOrchardLie) {
     pairs.push_back({estimate.poses[i], reference.poses.front()});
   }
   const TrajectoryEvaluation evaluation = EvaluateTrajectory(pairs, true, AlignmentKind::kSe2);
-  EXPECT_LT(evaluation.metrics.ate_rmse, 0.06);
-  EXPECT_LT(evaluation.metrics.ate_max, 0.5);
+  EXPECT_LT(evaluation.metrics.ate_rmse, 0.05);
+  EXPECT_LT(evaluation.metrics.ate_max, 0.3);
 }
 
 TEST_F(SessionMergerTest, HoldsAllOfBothAndCountsOn) {

@@ -74,6 +74,23 @@ TEST_F(MapRefinerTest, PassesBringThePosesToTheTruth) {
   EXPECT_LT(ErrorOf(graph), 0.5 * before);
 }
 
+// From half a metre off nothing can be refined: the posts are thinner.
+TEST_F(MapRefinerTest, AScanThatNoMapHoldsIsSearchedFor) {
+  // Cells count from two hits on, so that the scan's own submap does not hold it where it wrongly lies.
+  const MapRefiner refiner({}, OccupancyGridOptions(), 0.75, 0.2, Matcher({}, {}, {}));
+  const KeyframeId lost{10};
+  const SE2& truth = run_.truth[static_cast<size_t>(lost.value)];
+  PoseGraph graph;
+  for (size_t i = 0; i < run_.truth.size(); ++i) {
+    const KeyframeId id{static_cast<int>(i)};
+    graph.AddNode(id, id == lost ? truth * SE2(0.5, -0.4, 0.1) : run_.truth[i]);
+  }
+  for (const Submap& submap : run_.submaps) graph.AddNode(submap.id, run_.TruthOf(submap));
+  graph = refiner.Remeasure(graph, run_.keyframes, &run_.submaps, 1);
+  graph.Optimize({}, 1);
+  EXPECT_TRUE(graph.Pose(lost).IsApprox(truth, 0.03)) << graph.Pose(lost) << truth;
+}
+
 TEST_F(MapRefinerTest, KeepsNodesAndMotionAndMeasuresAnew) {
   PoseGraph graph = Graph(0.01);
   const Constraint motion{KeyframeId{3}, KeyframeId{4}, SE2(0.5, 0.0, 0.0), Eigen::Matrix3d::Identity(),
