@@ -23,7 +23,9 @@ using Poses = std::vector<Eigen::Vector3d>;
 constexpr double kCoarseTolerance = 1e-3;
 constexpr int kCoarseIterations = 20;
 constexpr double kFineTolerance = 1e-9;
-// How often loops are judged anew, at most.
+// Loops are searched for anew with a gate that is at most this share of the one before.
+constexpr double kFinerGate = 0.5;
+// How often loops are searched for and judged anew, at most.
 constexpr int kMaxRounds = 10;
 // The median norm of three normal variables of variance 1: the square root of chi-square's median.
 constexpr double kMedianNorm = 1.5382;
@@ -164,22 +166,39 @@ void SolveWithout(const Problem& problem, int max_iterations, double tolerance, 
   solution->iterations += solver.iterations();
 }
 
-// Settles which loops are wrong.
-void LeaveOutWrong(const Problem& problem, const SmoothingOptions& options, const PoseGraphOptions& graph_options,
-                   int num_threads, Solution* solution) {
-  const double loop_gate = graph_options.loop_gate;
-  SolveWithout(problem, kCoarseIterations, kCoarseTolerance, solution);
-  // Wrong loops spoil this solution, and what it says of a standard deviation may be far too great.
-  const double gate = std::min(loop_gate, GateAt(solution->poses, problem, loop_gate));
-  if (LargestLoopError(problem.edges, solution->poses) <= gate) return;
-  RobustMinimum minimum = FindMinimum(problem, options, solution->poses, gate, num_threads);
-  solution->poses = std::move(minimum.poses);
-  solution->iterations += minimum.iterations;
-  std::vector<bool> is_wrong = WrongAt(solution->poses, problem, loop_gate);
+// Leaves out what is wrong at the poses, and again where they come to lie without it.
+void Settle(const Problem& problem, const PoseGraphOptions& graph_options, Solution* solution) {
+  std::vector<bool> is_wrong = WrongAt(solution->poses, problem, graph_options.loop_gate);
   for (int round = 0; round < kMaxRounds && is_wrong != solution->is_left_out; ++round) {
     solution->is_left_out = is_wrong;
     SolveWithout(problem, graph_options.max_iterations, kCoarseTolerance, solution);
-    is_wrong = WrongAt(solution->poses, problem, loop_gate);
+    is_wrong = WrongAt(solution->poses, problem, graph_options.loop_gate);
+  }
+}
+
+// Settles which loops are wrong.
+void LeaveOutWrong(const Problem& problem, const SmoothingOptions& options, const PoseGraphOptions& graph_options,
+                   int num_threads, Solution* solution) {
+  SolveWithout(problem, kCoarseIterations, kCoarseTolerance, solution);
+  const Poses agreeing = solution->poses;
+  // Wrong loops spoil this solution, and what it says of a standard deviation may be far too great.
+  double gate = std::min(graph_options.loop_gate, GateAt(agreeing, problem, graph_options.loop_gate));
+  if (LargestLoopError(problem.edges, agreeing) <= gate) return;
+  for (int search = 0; search < kMaxRounds; ++search) {
+    RobustMinimum minimum = FindMinimum(problem, options, agreeing, gate, num_threads);
+    Solution found{std::move(minimum.poses), std::vector<bool>(problem.edges.size(), false), 0.0,
+                   solution->iterations + minimum.iterations};
+    Settle(problem, graph_options, &found);
+    const bool is_lower =
+        search == 0 || CostOf(problem.edges, found.poses, gate) < CostOf(problem.edges, solution->poses, gate);
+    solution->iterations = found.iterations;
+    if (!is_lower) break;
+    *solution = std::move(found);
+    // Without most of the wrong loops it is known better what a standard deviation is: by a gate that is too great,
+    // bending the path to a wrong loop may cost less than the loop.
+    const double finer = GateAt(solution->poses, problem, graph_options.loop_gate);
+    if (finer > kFinerGate * gate) break;
+    gate = finer;
   }
 }
 

@@ -179,15 +179,19 @@ TEST(GraphSmoother, ReachesTheOptimumOfThePublicBenchmarks) {
 TEST(GraphSmoother, AHundredFalseLoopsDoNotHarmManhattan) {
   const std::string path = GraphFile("manhattan3500.g2o");
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent; set ARBORSLAM_DATA";
-  PoseGraph2 graph = ReadG2o(path);
+  const PoseGraph2 graph = ReadG2o(path);
   const double clean = SmoothGraph(graph, {}, {}, 1).final_chi2;
-  const std::set<Pair> wrong = AddWrongLoops(100, 7, &graph);
-  const SmoothedGraph smoothed = SmoothGraph(graph, {}, {}, 1);
-  size_t num_wrong = 0;
-  for (const PoseGraph2::Edge& edge : smoothed.dropped_loops) num_wrong += wrong.count({edge.from, edge.to});
-  EXPECT_EQ(num_wrong, wrong.size());
-  EXPECT_LE(smoothed.dropped_loops.size(), wrong.size() + 2);
-  EXPECT_NEAR(smoothed.final_chi2, clean, 0.1 * clean);
+  // Around some of these loops the path can bend and make them fit.
+  for (const uint64_t seed : {3, 7, 18}) {
+    PoseGraph2 spoilt = graph;
+    const std::set<Pair> wrong = AddWrongLoops(100, seed, &spoilt);
+    const SmoothedGraph smoothed = SmoothGraph(spoilt, {}, {}, 1);
+    size_t num_wrong = 0;
+    for (const PoseGraph2::Edge& edge : smoothed.dropped_loops) num_wrong += wrong.count({edge.from, edge.to});
+    EXPECT_EQ(num_wrong, wrong.size()) << "seed " << seed;
+    EXPECT_LE(smoothed.dropped_loops.size(), wrong.size() + 2) << "seed " << seed;
+    EXPECT_NEAR(smoothed.final_chi2, clean, 0.01 * clean) << "seed " << seed;
+  }
 }
 
 }  // namespace
