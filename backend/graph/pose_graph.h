@@ -50,7 +50,7 @@ class PoseGraph {
   std::vector<Constraint> DropLoops(const std::function<bool(const Constraint&)>& is_wrong);
 
   /// Drops the loops that are wrong and moves all poses but the first keyframe's to the least cost of all other
-  /// constraints (sparse Cholesky of Eigen). Poses without a constraint stay where they are.
+  /// constraints (sparse Cholesky of SuiteSparse). Poses without a constraint stay where they are.
   ///
   /// A constraint costs its squared weighted error r^2; a loop, which may be wrong, costs c^2 r^2 / (c^2 + r^2) (Geman
   /// and McClure), c = `loop_gate`. This cost has many minima. The lower of two is taken (see `FindRobustMinimum`),

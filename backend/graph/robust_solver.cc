@@ -87,8 +87,7 @@ void RobustSolver::Solve(double scale, int max_iterations, double tolerance) {
   problem_->loss = GemanMcClureLoss(scale);
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  // Faster than CHOLMOD for graphs as sparse as these, and of one thread, which Debian's CHOLMOD is not.
-  options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
+  options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
   options.max_num_iterations = max_iterations;
   options.function_tolerance = tolerance;
   // Nearly undamped from the start: poses are near their optimum, or no step is any better than the full one.
@@ -96,7 +95,7 @@ void RobustSolver::Solve(double scale, int max_iterations, double tolerance) {
   options.logging_type = ceres::SILENT;
   options.num_threads = 1;
   std::string error;
-  CHECK(options.IsValid(&error)) << error;  // Ceres may have been built without Eigen's sparse solvers.
+  CHECK(options.IsValid(&error)) << error;  // Ceres may have been built without SuiteSparse.
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem_->ceres, &summary);
   LOG_IF(WARNING, !summary.IsSolutionUsable()) << summary.message;

@@ -25,7 +25,7 @@ double ErrorOf(const GraphEdge& edge, const std::vector<Eigen::Vector3d>& poses)
 /// Half the sum of all squared errors r^2, where edges that may be wrong count s^2 r^2 / (s^2 + r^2), s = `scale`.
 double CostOf(const std::vector<GraphEdge>& edges, const std::vector<Eigen::Vector3d>& poses, double scale);
 
-/// Poses under optimisation (Ceres, sparse Cholesky of Eigen, one thread: Ceres adds costs up in the order in
+/// Poses under optimisation (Ceres, sparse Cholesky of SuiteSparse, one thread: Ceres adds costs up in the order in
 /// which its threads finish, so that more would change the last bits).
 class RobustSolver {
  public:
