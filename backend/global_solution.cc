@@ -61,8 +61,9 @@ void RefuseDropped(const std::vector<Constraint>& dropped_loops, LoopsByPair* by
 void CloseLoops(const SlamOptions& options, const Matcher& matcher, int num_threads,
                 const std::vector<Keyframe>& keyframes, const std::vector<Submap>& submaps, PoseGraph* graph,
                 GlobalSolution* solution) {
-  const LoopCloser closer(options.loop, options.matcher, matcher, options.grid.cell_size);
+  const LoopCloser closer(options.loop, options.matcher, matcher, options.grid);
   const DriftedLoopFinder drifted(options.loop, options.place, options.matcher, matcher, options.grid.cell_size);
+  const PoseGraph tracked = *graph;
   LoopsByPair by_pair;
   Stopwatch stopwatch;
   const auto optimize = [&] {
@@ -72,8 +73,9 @@ void CloseLoops(const SlamOptions& options, const Matcher& matcher, int num_thre
   bool is_near = true;  // The next search is that of the closer.
   for (int search = 0; search < kMaxSearches; ++search) {
     const size_t num_before = NumAccepted(by_pair);
-    std::vector<LoopCandidate> found = is_near ? closer.FindAll(*graph, keyframes, submaps, by_pair, num_threads)
-                                               : drifted.FindAll(*graph, keyframes, submaps, num_threads);
+    std::vector<LoopCandidate> found = is_near
+                                           ? closer.FindAll(*graph, tracked, keyframes, submaps, by_pair, num_threads)
+                                           : drifted.FindAll(*graph, keyframes, submaps, num_threads);
     const bool has_accepted = AddLoops(std::move(found), graph, &by_pair);
     solution->loop_ms += stopwatch.Lap();
     ++solution->num_loop_searches;

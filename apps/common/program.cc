@@ -8,6 +8,7 @@
 #include <new>
 
 #include "apps/common/version.h"
+#include "core/freed_memory.h"
 
 #ifdef __SANITIZE_ADDRESS__
 // Fontconfig loses one pattern for each font that cairo loads, once a process: not ours to mend.
@@ -46,6 +47,7 @@ void StartLogging(const ProgramDescription& program) {
 
 int RunProgram(const ProgramDescription& program, int argc, char** argv,
                const std::function<int(const MultiFlags&)>& body) {
+  KeepFreedMemory();
   try {
     std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
     int exit_code = kExitSuccess;

@@ -33,7 +33,8 @@ struct LoopErrors {
 /// Compares where keyframes were found in submaps with the reference: as seen from that keyframe of the submap which
 /// lies nearest to the place. (From the submap's first keyframe, a small error in its heading would count more the
 /// farther off the place is.)
-/// @param graph of the run's end: where the submaps' keyframes lie in them.
+/// @param graph as the run was tracked, before loops were closed: its submaps' keyframes lie as their scans lie in the
+///              maps in which loops were found.
 /// @param pairs with headings; poses of `scans` and their true ones.
 LoopErrors EvaluateLoops(const std::vector<LoopCandidate>& loops, const std::vector<Submap>& submaps,
                          const std::vector<PosedScan>& scans, const PoseGraph& graph,

@@ -251,9 +251,10 @@ void RequireKeyframes(const Slam& slam, const RunRecord& record) {
                   "check the recording and the range limits of section 'projection'");
 }
 
-// Fills the record's errors. Returns what is wrong with the reference, or "": a run is not to be lost for it.
-std::string EvaluateRun(const Slam& slam, const Trajectory3& trajectory, const Trajectory3& odometry,
-                        const Trajectory3& reference, RunRecord* record) {
+// Fills the record's errors; `tracked` is the graph before it was finished. Returns what is wrong with the reference,
+// or "": a run is not to be lost for it.
+std::string EvaluateRun(const Slam& slam, const PoseGraph& tracked, const Trajectory3& trajectory,
+                        const Trajectory3& odometry, const Trajectory3& reference, RunRecord* record) {
   const auto associate = [&reference](const Trajectory3& estimate) {
     return Associate(estimate, reference, AssociationOptions{}, FLAGS_input + " and " + FLAGS_ground_truth);
   };
@@ -268,8 +269,7 @@ std::string EvaluateRun(const Slam& slam, const Trajectory3& trajectory, const T
     errors.odometry = evaluate(odometry_pairs);
     errors.unmatched_poses = odometry_pairs.unmatched_estimate;
     if (trajectory_pairs.has_headings) {
-      errors.loops =
-          EvaluateLoops(record->finish.loops, slam.submaps(), slam.scans(), slam.graph(), trajectory_pairs.pairs);
+      errors.loops = EvaluateLoops(record->finish.loops, slam.submaps(), slam.scans(), tracked, trajectory_pairs.pairs);
     }
     record->errors = std::move(errors);
     return "";
@@ -439,6 +439,7 @@ int Run(const MultiFlags& multi_flags) {
   const KnownScans known_scans = is_new ? KnownScans(*known.map) : KnownScans();
   has_sweeps |= Track(source.get(), known_scans, &slam, session.get(), &record, &odometry);
   RequireKeyframes(slam, record);
+  const PoseGraph tracked = reference ? slam.graph() : PoseGraph();
   record.finish = slam.Finish(FLAGS_odometry_only);
   session->Finish(slam, record.finish.sweep_duration ? record.finish.sweep_duration->stamp_shift : 0.0);
   if (record.finish.sweep_duration) TakeDuration(*record.finish.sweep_duration, &record, &odometry);
@@ -462,7 +463,7 @@ int Run(const MultiFlags& multi_flags) {
   if (has_sweeps) RefineMaps(options, &record, &results);
   record.wall_seconds = stopwatch.Lap() / 1000.0;
   std::string reference_problem;
-  if (reference) reference_problem = EvaluateRun(slam, results.trajectory, odometry, *reference, &record);
+  if (reference) reference_problem = EvaluateRun(slam, tracked, results.trajectory, odometry, *reference, &record);
 
   // Writing takes moments, and an end amid them would leave temporary files.
   std::signal(SIGINT, SIG_IGN);

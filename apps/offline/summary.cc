@@ -117,7 +117,8 @@ std::string SummaryJson(const RunRecord& record) {
                           {"search_rotation_rad", loop.search_rotation},
                           {"mhd_m", loop.match.score},
                           {"inlier_ratio", loop.match.inlier_ratio},
-                          {"second_best_mhd_m", loop.match.second_score}});
+                          {"second_best_mhd_m", loop.match.second_score},
+                          {"T_submap_base", {loop.match.pose.x(), loop.match.pose.y(), loop.match.pose.theta()}}});
   }
   summary["loops"] = {{"searches", record.finish.num_loop_searches},
                       {"tried", record.finish.loops.size()},

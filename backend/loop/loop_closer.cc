@@ -9,6 +9,7 @@
 
 #include "backend/loop/relative_uncertainty.h"
 #include "backend/loop/submap_path.h"
+#include "backend/loop/tracked_share.h"
 #include "core/config/validation.h"
 #include "core/parallel.h"
 
@@ -25,6 +26,14 @@ struct Pair {
 
 // A window reaches so much farther at its corners than at its sides; matching refines poses there a little.
 constexpr double kCorner = 1.5;
+// Less than this share of the scans around put into maps: the run was lost there.
+constexpr double kTrackedShare = 0.5;
+// Cells of what is known to be free of a submap are so much greater than its own,
+constexpr double kFreeCoarseness = 2.0;
+// and every so many of its scans tell of it.
+constexpr size_t kFreeStride = 3;
+// Keyframes before and after, of which a keyframe's share is taken.
+constexpr size_t kTrackedReach = 10;
 
 // The window for a keyframe that is known with `covariance`; without one, the widest.
 Pair WithWindow(Pair pair, const std::optional<Eigen::Matrix3d>& covariance, const LoopOptions& options) {
@@ -37,10 +46,12 @@ Pair WithWindow(Pair pair, const std::optional<Eigen::Matrix3d>& covariance, con
   return pair;
 }
 
-// The keyframes that may see a submap of which the graph knows nothing yet, in their order.
-std::vector<Pair> PairsOf(const Submap& submap, const std::vector<Keyframe>& keyframes, const PoseGraph& graph,
-                          const RelativeUncertainty::View& uncertainty, const std::set<LoopPair>& known,
-                          const LoopOptions& options) {
+// The keyframes that may see a submap of which the graph knows nothing yet, in their order. What was made while lost
+// sees nothing, and is not seen.
+std::vector<Pair> PairsOf(const Submap& submap, const std::vector<Keyframe>& keyframes, const TrackedShare& tracked,
+                          const PoseGraph& graph, const RelativeUncertainty::View& uncertainty,
+                          const std::set<LoopPair>& known, const LoopOptions& options) {
+  if (tracked.Of(submap) < kTrackedShare) return {};
   // What is not known well may be nearer than it seems.
   const double reach = options.candidate_radius + options.max_search_translation - options.search_translation;
   const std::set<KeyframeId> members(submap.keyframes.begin(), submap.keyframes.end());
@@ -48,7 +59,8 @@ std::vector<Pair> PairsOf(const Submap& submap, const std::vector<Keyframe>& key
   std::vector<Pair> pairs;
   for (size_t i = 0; i < keyframes.size(); i += static_cast<size_t>(options.keyframe_stride)) {
     const KeyframeId id = keyframes[i].id;
-    if (!keyframes[i].is_inserted || members.count(id) > 0 || known.count({submap.id, id}) > 0) continue;
+    if (!keyframes[i].is_inserted || tracked.Around(i, kTrackedReach) < kTrackedShare) continue;
+    if (members.count(id) > 0 || known.count({submap.id, id}) > 0) continue;
     const double distance = path.DistanceTo(graph.Pose(id).translation(), reach);
     if (!(distance < reach)) continue;
     const Pair pair = WithWindow({id, distance, 0.0, 0.0}, uncertainty.Of(id), options);
@@ -68,6 +80,20 @@ bool IsSettled(const LoopCandidate& tried, const SE2& prediction, const Pair& pa
   // A better place far off may have hidden the one that is looked for now.
   return !IsUsable(tried.match.verdict) ||
          AreClose(tried.match.pose, prediction, kCorner * pair.search_translation, kCorner * pair.search_rotation);
+}
+
+// Where the submap, whose scans lie in it as in the graph `tracked`, is known to hold nothing.
+FreeArea FreeAreaOf(const Submap& submap, const std::vector<Keyframe>& keyframes, const PoseGraph& tracked,
+                    OccupancyGridOptions options) {
+  options.cell_size *= kFreeCoarseness;
+  options.miss_range *= kFreeCoarseness;
+  OccupancyGrid grid(options);
+  const SE2 T_submap_map = tracked.Pose(submap.id).Inverse();
+  for (size_t i = 0; i < submap.keyframes.size(); i += kFreeStride) {
+    const Keyframe& keyframe = keyframes[static_cast<size_t>(submap.keyframes[i].value)];
+    grid.Insert(T_submap_map * tracked.Pose(keyframe.id), *keyframe.scan.Get());
+  }
+  return FreeArea(grid);
 }
 
 // Of each keyframe's pairs, by submap, keeps those with the `count` nearest submaps.
@@ -119,13 +145,15 @@ std::string LoopOptions::Validate() const {
 }
 
 LoopCloser::LoopCloser(const LoopOptions& options, const MatcherOptions& matcher_options, const Matcher& matcher,
-                       double cell_size)
-    : options_(options), max_distance_(matcher_options.max_distance), matcher_(matcher), cell_size_(cell_size) {}
+                       const OccupancyGridOptions& grid)
+    : options_(options), max_distance_(matcher_options.max_distance), matcher_(matcher), grid_(grid) {}
 
-std::vector<LoopCandidate> LoopCloser::FindAll(const PoseGraph& graph, const std::vector<Keyframe>& keyframes,
+std::vector<LoopCandidate> LoopCloser::FindAll(const PoseGraph& graph, const PoseGraph& tracked,
+                                               const std::vector<Keyframe>& keyframes,
                                                const std::vector<Submap>& submaps, const LoopsByPair& tried,
                                                int num_threads) const {
   const RelativeUncertainty uncertainty(graph);
+  const TrackedShare share(keyframes);
   std::set<LoopPair> known;
   for (const Constraint& constraint : graph.constraints()) {
     if (constraint.from.kind != NodeId::Kind::kSubmap) continue;
@@ -134,22 +162,27 @@ std::vector<LoopCandidate> LoopCloser::FindAll(const PoseGraph& graph, const std
   }
   std::vector<std::vector<Pair>> near(submaps.size());
   ParallelFor(submaps.size(), num_threads, [&](size_t i) {
-    near[i] = PairsOf(submaps[i], keyframes, graph, uncertainty.From(submaps[i].id), known, options_);
+    near[i] = PairsOf(submaps[i], keyframes, share, graph, uncertainty.From(submaps[i].id), known, options_);
   });
   KeepNearest(options_.max_submaps, &near);
 
   std::vector<std::vector<LoopCandidate>> found(submaps.size());
   ParallelFor(submaps.size(), num_threads, [&](size_t i) {
     std::optional<MatchTarget> target;
+    std::optional<MinPyramid> seen;
+    const auto get_seen = [&] {
+      if (!seen) seen.emplace(target->field(), FreeAreaOf(submaps[i], keyframes, tracked, grid_), 1);
+      return &*seen;
+    };
     for (const Pair& pair : near[i]) {
       const SE2 prediction = graph.Pose(submaps[i].id).Inverse() * graph.Pose(pair.keyframe);
       const auto earlier = tried.find({submaps[i].id, pair.keyframe});
       if (earlier != tried.end() && IsSettled(earlier->second, prediction, pair)) continue;
-      if (!target) target.emplace(*submaps[i].cells.Get(), cell_size_, max_distance_);
+      if (!target) target.emplace(*submaps[i].cells.Get(), grid_.cell_size, max_distance_);
       const Keyframe& keyframe = keyframes[static_cast<size_t>(pair.keyframe.value)];
       LoopCandidate candidate{keyframe.id, submaps[i].id, prediction, pair.search_translation, pair.search_rotation,
                               {},          false,         ""};
-      Judge(*target, keyframe.scan.Get()->points, &candidate);
+      Judge(*target, get_seen, keyframe.scan.Get()->points, &candidate);
       found[i].push_back(candidate);
     }
   });
@@ -158,15 +191,15 @@ std::vector<LoopCandidate> LoopCloser::FindAll(const PoseGraph& graph, const std
   return candidates;
 }
 
-void LoopCloser::Judge(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,
-                       LoopCandidate* candidate) const {
+void LoopCloser::Judge(const MatchTarget& target, const std::function<MinPyramid*()>& seen,
+                       const std::vector<Eigen::Vector2f>& points, LoopCandidate* candidate) const {
   const double rotation = candidate->search_rotation;
   const SearchWindow window{candidate->search_translation, rotation, 0.01, {}};
   candidate->match = matcher_.Match(target, points, candidate->prediction, window);
   candidate->reason = RefusalReason(candidate->match, options_.max_score, options_.min_overlap);
   if (candidate->reason.empty()) {
     matcher_.CheckUniqueness(target, points, SearchWindow{options_.rival_translation, rotation, 0.02, {}},
-                             &candidate->match, options_.rival_share);
+                             &candidate->match, SeenOnly{seen(), options_.rival_share});
     candidate->reason = RefusalReason(candidate->match, options_.max_score, options_.min_overlap);
   }
   candidate->accepted = candidate->reason.empty();

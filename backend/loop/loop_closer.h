@@ -1,6 +1,7 @@
 #ifndef ARBORSLAM_BACKEND_LOOP_LOOP_CLOSER_H_
 #define ARBORSLAM_BACKEND_LOOP_LOOP_CLOSER_H_
 
+#include <functional>
 #include <map>
 #include <string>
 #include <utility>
@@ -8,6 +9,8 @@
 
 #include "backend/graph/pose_graph.h"
 #include "backend/keyframe.h"
+#include "core/map/min_pyramid.h"
+#include "core/map/occupancy_grid.h"
 #include "core/map/submap.h"
 #include "frontend/matching/matcher.h"
 
@@ -23,8 +26,8 @@ struct LoopOptions {
   double max_search_rotation = 0.3;     ///< [rad], of the heading likewise.
   double rival_translation = 5.0;  ///< [m], so far around a loop no second pose may fit nearly as well: more than from
                                    ///< tree to tree and from row to row.
-  double rival_share = 0.4;  ///< Share of the scan's points, those that fit best, by which such poses are judged: a
-                             ///< submap has seen only one side of things, and ends, where the stand does not.
+  double rival_share = 0.4;  ///< Least share of the scan's points by which such poses are judged: points where the
+                             ///< submap's scans have not looked do not count, for there the stand may go on.
   int drift_votes = 5;       ///< Beyond the greatest window, so many scans of one stretch must recognise places
                              ///< that agree on how far the stretch has drifted; 0: windows are all.
   double max_score = 0.08;   ///< [m], a loop's MHD may not exceed this.
@@ -75,31 +78,36 @@ using LoopsByPair = std::map<LoopPair, LoopCandidate>;
 ///   one row off fits as well as the true one wherever the stand is regular and no end of it is in sight. So a loop
 ///   counts only if no pose within `rival_translation` fits nearly as well, however narrow the window was in which it
 ///   was found: a drift that the graph knows nothing of would otherwise have left the true pose outside of it. And
-///   such a pose is judged by the part of the scan that fits it best, for where a submap ends the stand may go on: in
-///   an exact grid nothing is accepted but what sees the grid end;
+///   such a pose is judged by what the submap's scans have seen, things and free land, for where a submap ends the
+///   stand may go on: in an exact grid nothing is accepted but what sees the grid end;
+/// - neither scans nor submaps of stretches in which the run was lost are tried: what few scans there say of an
+///   arrangement is a guess;
 /// - mutual consistency is left to `PoseGraph::Optimize`, whose graduated non-convexity weighs all loops together along
 ///   with what the run itself measured; a largest clique of pairwise consistent loops sees only pairs, and would have
 ///   to guess the drift between them.
 class LoopCloser {
  public:
   LoopCloser(const LoopOptions& options, const MatcherOptions& matcher_options, const Matcher& matcher,
-             double cell_size);
+             const OccupancyGridOptions& grid);
 
   /// All candidates of a run, in the order of submaps and keyframes whatever the number of threads.
+  /// @param tracked the graph with which the cells of `submaps` were made: their keyframes lie in them as in it.
   /// @param tried those of earlier searches. Such a pair is tried again only if it was not accepted, and the graph has
   ///              changed so much that another place may be found for it.
-  std::vector<LoopCandidate> FindAll(const PoseGraph& graph, const std::vector<Keyframe>& keyframes,
-                                     const std::vector<Submap>& submaps, const LoopsByPair& tried,
-                                     int num_threads) const;
+  std::vector<LoopCandidate> FindAll(const PoseGraph& graph, const PoseGraph& tracked,
+                                     const std::vector<Keyframe>& keyframes, const std::vector<Submap>& submaps,
+                                     const LoopsByPair& tried, int num_threads) const;
 
  private:
-  // Matches a candidate's scan to its submap in the candidate's window, and judges the match.
-  void Judge(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, LoopCandidate* candidate) const;
+  // Matches a candidate's scan to its submap in the candidate's window, and judges the match; `seen` tells what of the
+  // submap was seen.
+  void Judge(const MatchTarget& target, const std::function<MinPyramid*()>& seen,
+             const std::vector<Eigen::Vector2f>& points, LoopCandidate* candidate) const;
 
   LoopOptions options_;
   double max_distance_;
   Matcher matcher_;
-  double cell_size_;
+  OccupancyGridOptions grid_;
 };
 
 }  // namespace arborslam

@@ -22,25 +22,36 @@ struct Node {
   int y;
   int level;
   double bound;
+  int num_used;  // How many points the bound is the mean of.
 };
 
 class Search {
  public:
   Search(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points, const SE2& center,
-         const SearchWindow& window, const MhdOptions& mhd, double max_cost, const std::optional<Exclusion>& exclusion)
-      : points_(points), center_(center), window_(window), mhd_(mhd), exclusion_(exclusion) {
+         const SearchWindow& window, const MhdOptions& mhd, double max_cost, const std::optional<Exclusion>& exclusion,
+         const std::optional<SeenOnly>& seen_only)
+      : points_(points), center_(center), window_(window), mhd_(mhd), exclusion_(exclusion), seen_only_(seen_only) {
     cell_size_ = target.field().cell_size();
     half_cells_ = static_cast<int>(std::floor(window.translation / cell_size_ + 1e-6));
     half_rotations_ = static_cast<int>(std::floor(window.rotation / window.rotation_step + 1e-6));
     // The coarsest node covers about half the window, so that there is something to prune at the top.
     top_level_ = 0;
     while ((2 << top_level_) <= half_cells_ + 1) ++top_level_;
-    pyramid_ = &target.Pyramid(top_level_ + 1);
+    if (seen_only_) {
+      seen_only_->pyramid->Extend(top_level_ + 1);
+      pyramid_ = seen_only_->pyramid;
+    } else {
+      pyramid_ = &target.Pyramid(top_level_ + 1);
+    }
     best_cost_ = max_cost / pyramid_->metres_per_step();
     num_points_ = static_cast<int>(points.size());
     least_k_ = ChooseK(0, num_points_, mhd);
-    first_x_ = target.field().first_x();
-    first_y_ = target.field().first_y();
+    if (seen_only_) {
+      const int least_seen = static_cast<int>(std::ceil(seen_only_->min_share * num_points_ - 1e-9));
+      least_k_ = std::clamp(least_seen, 1, least_k_);
+    }
+    first_x_ = pyramid_->first_x();
+    first_y_ = pyramid_->first_y();
   }
 
   std::optional<SearchResult> Run() {
@@ -50,15 +61,15 @@ class Search {
     for (int rotation = 0; rotation < num_rotations(); ++rotation) {
       for (int x = -half_cells_; x <= half_cells_; x += size) {
         for (int y = -half_cells_; y <= half_cells_; y += size) {
-          Node node{rotation, x, y, top_level_, 0.0};
-          node.bound = Score(node);
+          Node node{rotation, x, y, top_level_, 0.0, 0};
+          Score(&node);
           if (node.bound < best_cost_) nodes.push_back(node);
         }
       }
     }
     Descend(&nodes);
     if (!found_) return std::nullopt;
-    return SearchResult{best_pose_, best_cost_ * pyramid_->metres_per_step(), num_scored_};
+    return SearchResult{best_pose_, best_cost_ * pyramid_->metres_per_step(), best_k_, num_scored_};
   }
 
  private:
@@ -91,23 +102,52 @@ class Search {
     }
   }
 
-  // The bound of a node or, at level 0, the cost of a pose [quantisation steps].
-  double Score(const Node& node) {
+  // Finds the bound of a node or, at level 0, the cost of a pose [quantisation steps].
+  void Score(Node* node) {
     ++num_scored_;
-    constexpr int kFar = MinPyramid::kNumSteps;
-    std::array<int, kFar + 1> histogram{};
-    const MinPyramid::Level& level = pyramid_->level(node.level);
-    const CellOffset* cell = &cells_[static_cast<size_t>(node.rotation) * points_.size()];
-    for (int i = 0; i < num_points_; ++i) ++histogram[level.At(cell[i].x + node.x, cell[i].y + node.y)];
-    const int k = node.level == 0 ? ChooseK(num_points_ - histogram[kFar], num_points_, mhd_) : least_k_;
-    int left = k;
+    std::array<int, 2 * MinPyramid::kUnseen> histogram{};
+    const MinPyramid::Level& level = pyramid_->level(node->level);
+    const CellOffset* cell = &cells_[static_cast<size_t>(node->rotation) * points_.size()];
+    const int shift_x = node->x;
+    const int shift_y = node->y;
+    const CellOffset* const end = cell + num_points_;
+    for (; cell != end; ++cell) ++histogram[level.At(cell->x + shift_x, cell->y + shift_y)];
+    int num_seen = num_points_;
+    if (seen_only_) num_seen = MergeUnseen(&histogram);
+    const int num_near = num_points_ - histogram[MinPyramid::kNumSteps];
+    node->num_used = node->level == 0 ? PoseK(num_near, num_seen) : LeastK(num_seen);
+    int left = node->num_used;
     int64_t sum = 0;
     for (int step = 0; left > 0; ++step) {
       const int count = std::min(left, histogram[static_cast<size_t>(step)]);
       sum += static_cast<int64_t>(count) * step;
       left -= count;
     }
-    return static_cast<double>(sum) / k + Penalty(node);
+    node->bound = static_cast<double>(sum) / node->num_used + Penalty(*node);
+  }
+
+  // Adds the points in windows that were not seen wholly to the others of their distance; returns the number of others.
+  int MergeUnseen(std::array<int, 2 * MinPyramid::kUnseen>* histogram) const {
+    int num_seen = num_points_;
+    for (size_t step = 0; step < MinPyramid::kUnseen; ++step) {
+      const int num_unseen = (*histogram)[step + MinPyramid::kUnseen];
+      (*histogram)[step] += num_unseen;
+      num_seen -= num_unseen;
+    }
+    return num_seen;
+  }
+
+  // The K of a pose.
+  int PoseK(int num_near, int num_seen) const {
+    const int k = ChooseK(num_near, num_seen, mhd_);
+    if (!seen_only_) return k;
+    return std::max(least_k_, k <= num_near ? std::min(k, seen_only_->max_near) : k);
+  }
+
+  // The least K of the poses in a box, in all of which `num_seen` points are seen.
+  int LeastK(int num_seen) const {
+    if (!seen_only_) return least_k_;
+    return std::max(least_k_, std::min(ChooseK(0, num_seen, mhd_), seen_only_->max_near));
   }
 
   // The least penalty in a node's box [quantisation steps].
@@ -131,13 +171,15 @@ class Search {
   void Descend(std::vector<Node>* nodes) {
     std::stable_sort(nodes->begin(), nodes->end(), [](const Node& a, const Node& b) { return a.bound < b.bound; });
     for (const Node& node : *nodes) {
-      if (node.bound >= best_cost_) return;
+      if (node.bound >= best_cost_ || is_done_) return;
       if (node.level == 0) {
         const SE2 pose = Pose(node);
         if (IsExcluded(pose)) continue;
         best_cost_ = node.bound;
+        best_k_ = node.num_used;
         best_pose_ = pose;
         found_ = true;
+        is_done_ = exclusion_ && exclusion_->any_will_do;
         continue;
       }
       const int half = 1 << (node.level - 1);
@@ -146,8 +188,8 @@ class Search {
       for (const int x : {node.x, node.x + half}) {
         for (const int y : {node.y, node.y + half}) {
           if (x > half_cells_ || y > half_cells_) continue;
-          Node child{node.rotation, x, y, node.level - 1, 0.0};
-          child.bound = Score(child);
+          Node child{node.rotation, x, y, node.level - 1, 0.0, 0};
+          Score(&child);
           if (child.bound < best_cost_) children.push_back(child);
         }
       }
@@ -160,6 +202,7 @@ class Search {
   const SearchWindow window_;
   const MhdOptions mhd_;
   const std::optional<Exclusion>& exclusion_;
+  const std::optional<SeenOnly>& seen_only_;
   const MinPyramid* pyramid_ = nullptr;
   double cell_size_ = 0.0;
   int half_cells_ = 0;
@@ -171,8 +214,10 @@ class Search {
   int first_y_ = 0;
   std::vector<CellOffset> cells_;
   double best_cost_ = 0.0;  // [quantisation steps]
+  int best_k_ = 0;
   SE2 best_pose_;
   bool found_ = false;
+  bool is_done_ = false;
   int64_t num_scored_ = 0;
 };
 
@@ -185,9 +230,10 @@ double PenaltyOf(const SE2& pose, const SE2& center, const SearchPenalty& penalt
 
 std::optional<SearchResult> BranchAndBound(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,
                                            const SE2& center, const SearchWindow& window, const MhdOptions& mhd,
-                                           double max_cost, const std::optional<Exclusion>& exclusion) {
+                                           double max_cost, const std::optional<Exclusion>& exclusion,
+                                           const std::optional<SeenOnly>& seen_only) {
   if (points.empty() || target.empty()) return std::nullopt;
-  return Search(target, points, center, window, mhd, max_cost, exclusion).Run();
+  return Search(target, points, center, window, mhd, max_cost, exclusion, seen_only).Run();
 }
 
 }  // namespace arborslam

@@ -94,20 +94,24 @@ MatchResult Matcher::MatchBetter(const MatchTarget& target, const std::vector<Ei
 }
 
 void Matcher::CheckUniqueness(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,
-                              const SearchWindow& window, MatchResult* match, double share) const {
-  MhdOptions mhd = mhd_;
-  mhd.alpha_min = std::min(mhd.alpha_min, share);
-  mhd.alpha_max = std::min(mhd.alpha_max, share);
+                              const SearchWindow& window, MatchResult* match,
+                              const std::optional<SeenOnly>& seen_only) const {
   // To compare modes takes a finer sample than to find one.
   const std::vector<Eigen::Vector2f> sample = Subsample(points, 2 * options_.max_search_points);
-  const std::optional<SearchResult> best =
-      BranchAndBound(target, sample, match->pose, kGridWindow, mhd, std::numeric_limits<double>::infinity());
+  const std::optional<SearchResult> best = BranchAndBound(
+      target, sample, match->pose, kGridWindow, mhd_, std::numeric_limits<double>::infinity(), std::nullopt, seen_only);
   if (!best) return;
   // The search tells costs apart by quantisation steps: a perfect one, 0, must not rule out its equals.
   const double step = static_cast<double>(target.field().max_distance()) / MinPyramid::kNumSteps;
-  const double limit = std::max(best->cost, step) / options_.max_second_ratio;
-  const std::optional<SearchResult> rival = BranchAndBound(target, sample, match->pose, window, mhd, limit,
-                                                           Exclusion{match->pose, kModeTranslation, kModeRotation});
+  double limit = std::max(best->cost, step) / options_.max_second_ratio;
+  // Nor can two be told apart that both fit to half a cell.
+  if (seen_only) limit = std::max(limit, 0.5 * target.field().cell_size());
+  // What fits more points than the match does is no worse a rival.
+  std::optional<SeenOnly> of_rivals = seen_only;
+  if (of_rivals) of_rivals->max_near = best->num_used;
+  const std::optional<SearchResult> rival =
+      BranchAndBound(target, sample, match->pose, window, mhd_, limit,
+                     Exclusion{match->pose, kModeTranslation, kModeRotation, true}, of_rivals);
   if (!rival) return;
   match->verdict = MatchVerdict::kAmbiguous;
   match->second_score = rival->cost;

@@ -2,6 +2,7 @@
 #define ARBORSLAM_FRONTEND_MATCHING_MATCHER_H_
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -58,7 +59,7 @@ struct MatchResult {
   double score = 0.0;         ///< [m], MHD to the landmarks' centroids.
   double cost = 0.0;          ///< [m], score and the search's penalty for leaving the prediction.
   double inlier_ratio = 0.0;  ///< Share of the points nearer to the map than D_max.
-  double second_score = 0.0;  ///< [m], of the best pose well apart from this one; 0 when it was not looked for.
+  double second_score = 0.0;  ///< [m], of a pose well apart that fits nearly as well; 0: none is known.
   int num_points = 0;
   int num_degenerate = 0;  ///< Directions that the map does not determine.
   int64_t num_scored = 0;  ///< Poses and boxes of poses that the search scored.
@@ -91,11 +92,11 @@ class Matcher {
   /// Searches `window` around `match->pose`, without the neighbourhood of that, for a pose that fits nearly as well. If
   /// there is one, the match becomes ambiguous and its second score is that pose's cost [m]. The window may be wider
   /// than the one that the match was found in: a tree or a row farther on things may look the same.
-  /// @param share of the points, those that fit best, by which poses are judged (alpha of paper eq. 9-12 is no
-  /// greater):
-  ///              what the map has not seen then does not speak against a rival.
+  /// @param seen_only where a map ends things may go on: what it has not seen then does not speak against a rival, and
+  ///                  one that fits to half a cell is one however well the match does.
   void CheckUniqueness(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,
-                       const SearchWindow& window, MatchResult* match, double share = 1.0) const;
+                       const SearchWindow& window, MatchResult* match,
+                       const std::optional<SeenOnly>& seen_only = std::nullopt) const;
 
   /// Refines from `initial` without a search.
   MatchResult MatchNear(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,

@@ -75,14 +75,15 @@ double ProcessorTime() { return static_cast<double>(std::clock()) / CLOCKS_PER_S
 void BM_LoopSearch(benchmark::State& state) {
   const MuchVisitedArea& area = SharedArea();
   const SlamOptions options;
-  const LoopCloser closer(options.loop, options.matcher, DefaultMatcher(), options.grid.cell_size);
+  const LoopCloser closer(options.loop, options.matcher, DefaultMatcher(), options.grid);
   double seconds = 0.0;
   double num_keyframes = 0.0;
   double num_tried = 0.0;
   double num_accepted = 0.0;
   for (auto _ : state) {
     const double begin = ProcessorTime();
-    const std::vector<LoopCandidate> loops = closer.FindAll(area.graph, area.keyframes, area.submaps, {}, 1);
+    const std::vector<LoopCandidate> loops =
+        closer.FindAll(area.graph, area.graph, area.keyframes, area.submaps, {}, 1);
     seconds += ProcessorTime() - begin;
     std::vector<int> keyframes;
     for (const LoopCandidate& loop : loops) {

@@ -35,7 +35,8 @@ TEST(LoopOptions, ValuesOutOfRangeAreNamed) {
 // There along a line and back along the same line, 1 m a keyframe; the submap is made of the first ten.
 class LoopCloserTest : public testing::Test {
  protected:
-  LoopCloserTest() : run_(StrewnPosts(60, 40.0, 3), Path()), closer_(options_, {}, Matcher({}, {}, {}), 0.05) {
+  LoopCloserTest()
+      : run_(StrewnPosts(60, 40.0, 3), Path()), closer_(options_, {}, Matcher({}, {}, {}), OccupancyGridOptions()) {
     run_.AddSubmap(0, 9, OccupancyGridOptions());
   }
 
@@ -69,7 +70,7 @@ class LoopCloserTest : public testing::Test {
 
 TEST_F(LoopCloserTest, FindsTheTruthInSpiteOfDrift) {
   const PoseGraph graph = Graph(SE2(0.5, -0.6, 0.05));
-  const std::vector<LoopCandidate> candidates = closer_.FindAll(graph, run_.keyframes, run_.submaps, {}, 1);
+  const std::vector<LoopCandidate> candidates = closer_.FindAll(graph, graph, run_.keyframes, run_.submaps, {}, 1);
   int num_accepted = 0;
   for (const LoopCandidate& candidate : candidates) {
     EXPECT_EQ(candidate.accepted, candidate.reason.empty());
@@ -85,7 +86,7 @@ TEST_F(LoopCloserTest, FindsTheTruthInSpiteOfDrift) {
 
 TEST_F(LoopCloserTest, WhatIsFarOrKnownOrSpoiltIsNotTried) {
   PoseGraph graph = Graph(SE2());
-  const std::vector<LoopCandidate> all = closer_.FindAll(graph, run_.keyframes, run_.submaps, {}, 1);
+  const std::vector<LoopCandidate> all = closer_.FindAll(graph, graph, run_.keyframes, run_.submaps, {}, 1);
   ASSERT_GE(all.size(), 2u);
   // Nothing tells how well the poses are known: they may be as far off as is searched.
   const double reach = options_.candidate_radius + options_.max_search_translation - options_.search_translation;
@@ -94,19 +95,37 @@ TEST_F(LoopCloserTest, WhatIsFarOrKnownOrSpoiltIsNotTried) {
     EXPECT_LE(pose.x(), -1.0 + reach) << "the submap ends at -1 m";
   }
   graph.AddConstraint({SubmapId{0}, all[0].keyframe, SE2(), Eigen::Matrix3d::Identity(), Constraint::Kind::kSubmap});
-  const std::vector<LoopCandidate> fewer = closer_.FindAll(graph, run_.keyframes, run_.submaps, {}, 1);
+  const std::vector<LoopCandidate> fewer = closer_.FindAll(graph, graph, run_.keyframes, run_.submaps, {}, 1);
   ASSERT_EQ(fewer.size(), all.size() - 1);
   EXPECT_TRUE(fewer[0].keyframe == all[1].keyframe);
   std::vector<Keyframe> spoilt = run_.keyframes;
   for (Keyframe& keyframe : spoilt) keyframe = {keyframe.id, keyframe.scan, false};
-  EXPECT_TRUE(closer_.FindAll(graph, spoilt, run_.submaps, {}, 1).empty());
+  EXPECT_TRUE(closer_.FindAll(graph, graph, spoilt, run_.submaps, {}, 1).empty());
+}
+
+// Where most scans were of no use, neither the few others nor the submap of them are believed.
+TEST_F(LoopCloserTest, StretchesInWhichTheRunWasLostAreNotTried) {
+  const PoseGraph graph = Graph(SE2());
+  const auto tried_with = [&](size_t first, size_t end, size_t stride) {
+    std::vector<Keyframe> keyframes = run_.keyframes;
+    for (size_t i = first; i < end; ++i) keyframes[i].is_inserted = i % stride == 0;
+    return closer_.FindAll(graph, graph, keyframes, run_.submaps, {}, 1);
+  };
+  const std::vector<LoopCandidate> all = tried_with(0, 0, 1);
+  ASSERT_GE(all.back().keyframe.value, 28) << "the way back";
+  const std::vector<LoopCandidate> with_a_lost_end = tried_with(20, 40, 4);
+  for (const LoopCandidate& candidate : with_a_lost_end) EXPECT_LE(candidate.keyframe.value, 20);
+  EXPECT_LT(with_a_lost_end.size(), all.size());
+  EXPECT_TRUE(tried_with(0, 10, 4).empty()) << "the submap's";
+  EXPECT_EQ(tried_with(0, 40, 2).size(), all.size()) << "every other is enough";
 }
 
 TEST_F(LoopCloserTest, AnotherPlaceIsRefused) {
   // The submap of another world: nothing of it is where the keyframes are.
   PostsRun other(StrewnPosts(60, 40.0, 99), Path());
   other.AddSubmap(0, 9, OccupancyGridOptions());
-  for (const LoopCandidate& candidate : closer_.FindAll(Graph(SE2()), run_.keyframes, other.submaps, {}, 1)) {
+  for (const LoopCandidate& candidate :
+       closer_.FindAll(Graph(SE2()), Graph(SE2()), run_.keyframes, other.submaps, {}, 1)) {
     EXPECT_FALSE(candidate.accepted) << candidate.keyframe.value << " at " << candidate.match.score;
     EXPECT_FALSE(candidate.reason.empty());
   }
@@ -116,8 +135,8 @@ TEST_F(LoopCloserTest, AnyNumberOfThreadsFindsTheSame) {
   run_.AddSubmap(5, 14, OccupancyGridOptions());
   PoseGraph graph = Graph(SE2(0.2, 0.1, 0.02));
   graph.AddNode(SubmapId{1}, run_.TruthOf(run_.submaps[1]));
-  const std::vector<LoopCandidate> one = closer_.FindAll(graph, run_.keyframes, run_.submaps, {}, 1);
-  const std::vector<LoopCandidate> three = closer_.FindAll(graph, run_.keyframes, run_.submaps, {}, 3);
+  const std::vector<LoopCandidate> one = closer_.FindAll(graph, graph, run_.keyframes, run_.submaps, {}, 1);
+  const std::vector<LoopCandidate> three = closer_.FindAll(graph, graph, run_.keyframes, run_.submaps, {}, 3);
   ASSERT_EQ(one.size(), three.size());
   for (size_t i = 0; i < one.size(); ++i) {
     EXPECT_TRUE(one[i].keyframe == three[i].keyframe && one[i].submap == three[i].submap);
@@ -131,7 +150,7 @@ TEST_F(LoopCloserTest, OnlySoManySubmapsAreTriedForAKeyframe) {
   PoseGraph graph = Graph(SE2());
   for (int i = 1; i < 6; ++i) graph.AddNode(SubmapId{i}, run_.truth[0]);
   std::map<int, int> tried;
-  for (const LoopCandidate& candidate : closer_.FindAll(graph, run_.keyframes, run_.submaps, {}, 1)) {
+  for (const LoopCandidate& candidate : closer_.FindAll(graph, graph, run_.keyframes, run_.submaps, {}, 1)) {
     ++tried[candidate.keyframe.value];
   }
   ASSERT_FALSE(tried.empty());
@@ -140,7 +159,7 @@ TEST_F(LoopCloserTest, OnlySoManySubmapsAreTriedForAKeyframe) {
 
 TEST_F(LoopCloserTest, TheWindowFollowsWhatIsKnown) {
   PoseGraph graph = Graph(SE2());
-  for (const LoopCandidate& candidate : closer_.FindAll(graph, run_.keyframes, run_.submaps, {}, 1)) {
+  for (const LoopCandidate& candidate : closer_.FindAll(graph, graph, run_.keyframes, run_.submaps, {}, 1)) {
     EXPECT_EQ(candidate.search_translation, options_.max_search_translation) << "nothing leads there";
   }
   // Another submap that keyframe 5 ties to the first one, well, and that the way back is tied to by 0.5 m.
@@ -153,7 +172,7 @@ TEST_F(LoopCloserTest, TheWindowFollowsWhatIsKnown) {
     graph.AddConstraint({SubmapId{7}, KeyframeId{i}, SE2(), poor, Constraint::Kind::kSubmap});
   }
   int num_tied = 0;
-  for (const LoopCandidate& candidate : closer_.FindAll(graph, run_.keyframes, run_.submaps, {}, 1)) {
+  for (const LoopCandidate& candidate : closer_.FindAll(graph, graph, run_.keyframes, run_.submaps, {}, 1)) {
     if (candidate.keyframe.value < 20) continue;
     ++num_tied;
     EXPECT_NEAR(candidate.search_translation, 1.5, 0.1) << "three times 0.5 m";
@@ -194,8 +213,8 @@ TEST(LoopCloserInAGrid, AcceptsNoFalseLoop) {
     }
     LoopOptions options;
     options.keyframe_stride = 1;
-    const LoopCloser closer(options, {}, Matcher({}, {}, {}), 0.05);
-    for (const LoopCandidate& candidate : closer.FindAll(graph, keyframes, {submap}, {}, 2)) {
+    const LoopCloser closer(options, {}, Matcher({}, {}, {}), OccupancyGridOptions());
+    for (const LoopCandidate& candidate : closer.FindAll(graph, graph, keyframes, {submap}, {}, 2)) {
       ++num_tried;
       if (!candidate.accepted) continue;
       const size_t index = static_cast<size_t>(candidate.keyframe.value) - submap.keyframes.size();
@@ -207,8 +226,8 @@ TEST(LoopCloserInAGrid, AcceptsNoFalseLoop) {
 }
 
 TEST_F(LoopCloserTest, NothingToCloseIsNoError) {
-  EXPECT_TRUE(closer_.FindAll(Graph(SE2()), run_.keyframes, {}, {}, 2).empty());
-  EXPECT_TRUE(closer_.FindAll(PoseGraph(), {}, {}, {}, 1).empty());
+  EXPECT_TRUE(closer_.FindAll(Graph(SE2()), Graph(SE2()), run_.keyframes, {}, {}, 2).empty());
+  EXPECT_TRUE(closer_.FindAll(PoseGraph(), PoseGraph(), {}, {}, {}, 1).empty());
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -85,6 +86,65 @@ TEST(MinPyramidTest, SingleCellByHand) {
       EXPECT_EQ(pairs.At(x, y), covers ? 0 : MinPyramid::kNumSteps) << x << ", " << y;
     }
   }
+}
+
+// What is free in a random fan of rays.
+FreeArea RandomFreeArea(double cell_size, Random* random) {
+  OccupancyGridOptions options;
+  options.cell_size = cell_size;
+  OccupancyGrid grid(options);
+  PlanarScan scan;
+  for (int i = 0; i < 60; ++i) {
+    const double angle = 0.04 * i;
+    const double range = random->Uniform(0.4, 1.5);
+    scan.free_ends.emplace_back(range * std::cos(angle), range * std::sin(angle));
+  }
+  grid.Insert(SE2(random->Uniform(-1.0, 1.0), random->Uniform(-1.0, 1.0), random->Uniform(-3.0, 3.0)), scan);
+  return FreeArea(grid);
+}
+
+TEST(MinPyramidTest, TellsWhichWindowsWereSeen) {
+  Random random(4);
+  int num_of_each[4] = {0, 0, 0, 0};  // Near or far, seen or not.
+  for (int trial = 0; trial < 5; ++trial) {
+    const DistanceField field(RandomPoints(5, 1.5f, 1.0f, &random), 0.05, 0.2, DistanceMetric::kL2);
+    const FreeArea free_area = RandomFreeArea(0.1, &random);
+    MinPyramid pyramid(field, free_area, 2);
+    pyramid.Extend(5);
+    const MinPyramid::Level& cells = pyramid.level(0);
+    const MinPyramid plain(field, 1);
+    const int shift_x = pyramid.first_x() - field.first_x();
+    const int shift_y = pyramid.first_y() - field.first_y();
+    for (int x = -5; x < cells.width + 5; ++x) {
+      for (int y = -5; y < cells.height + 5; ++y) {
+        const int distance = plain.level(0).At(x + shift_x, y + shift_y);
+        const Eigen::Vector2f center(static_cast<float>(pyramid.first_x() + x) + 0.5f,
+                                     static_cast<float>(pyramid.first_y() + y) + 0.5f);
+        const bool is_inside = x >= 0 && y >= 0 && x < cells.width && y < cells.height;
+        const bool is_seen =
+            distance < MinPyramid::kNumSteps || (is_inside && free_area.Contains(field.cell_size() * center));
+        ASSERT_EQ(cells.At(x, y), distance + (is_seen ? 0 : MinPyramid::kUnseen)) << x << ", " << y;
+      }
+    }
+    for (int level = 1; level < 5; ++level) {
+      const int size = 1 << level;
+      for (int x = -size - 3; x < cells.width + 3; ++x) {
+        for (int y = -size - 3; y < cells.height + 3; ++y) {
+          int least = MinPyramid::kNumSteps;
+          int unseen = 0;
+          for (int column = x; column < x + size; ++column) {
+            for (int row = y; row < y + size; ++row) {
+              least = std::min(least, cells.At(column, row) & MinPyramid::kNumSteps);
+              unseen |= cells.At(column, row) & MinPyramid::kUnseen;
+            }
+          }
+          ASSERT_EQ(pyramid.level(level).At(x, y), least + unseen) << "level " << level << " at " << x << ", " << y;
+          ++num_of_each[(least < MinPyramid::kNumSteps ? 0 : 2) + (unseen != 0 ? 1 : 0)];
+        }
+      }
+    }
+  }
+  for (const int count : num_of_each) EXPECT_GT(count, 100);
 }
 
 TEST(MinPyramidTest, EmptyFieldIsTooFarEverywhere) {

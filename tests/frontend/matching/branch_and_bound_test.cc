@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <utility>
 
 #include "core/geometry/angles.h"
 
@@ -182,6 +183,95 @@ TEST(BranchAndBoundTest, FindsTheBestOutsideAnExclusion) {
     num_moved += best.cost > all.cost;
   }
   EXPECT_GT(num_moved, 50);
+}
+
+TEST(BranchAndBoundTest, AnyPoseOutsideAnExclusionWillDoIfSaid) {
+  std::mt19937 random(15);
+  int num_better = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    SCOPED_TRACE(trial);
+    const World world = RandomWorld(&random);
+    if (world.points.empty()) continue;
+    const MatchTarget target(world.cells, kCell, kMaxDistance);
+    const Exhaustive all = SearchAll(world, target, std::nullopt);
+    const Exclusion exclusion{all.poses.front(), 0.25, 0.05, true};
+    const Exhaustive best = SearchAll(world, target, exclusion);
+    const double max_cost = all.cost + 0.05;
+    const auto found = BranchAndBound(target, world.points, world.center, world.window, world.mhd, max_cost, exclusion);
+    ASSERT_EQ(found.has_value(), best.cost < max_cost - 1e-9);
+    if (!found) continue;
+    EXPECT_FALSE(IsExcluded(found->pose, exclusion));
+    EXPECT_LT(found->cost, max_cost);
+    const std::vector<uint8_t> quantised = target.field().Quantised(MinPyramid::kNumSteps);
+    EXPECT_NEAR(Cost(world, target.field(), quantised, found->pose), found->cost, 1e-6);
+    num_better += best.cost < found->cost - 1e-6;
+  }
+  EXPECT_GT(num_better, 5) << "otherwise the best was found all the same";
+}
+
+// The cost of a pose by what was seen, and its K, by their definition.
+std::pair<double, int> CostOfSeen(const World& world, const SeenOnly& seen_only, const SE2& pose) {
+  std::vector<int> steps;
+  int num_seen = 0;
+  for (const Eigen::Vector2f& point : world.points) {
+    const Eigen::Vector2d position = pose * point.cast<double>();
+    const int value = seen_only.pyramid->level(0).At(
+        static_cast<int>(std::floor(position.x() / kCell)) - seen_only.pyramid->first_x(),
+        static_cast<int>(std::floor(position.y() / kCell)) - seen_only.pyramid->first_y());
+    num_seen += value < MinPyramid::kUnseen ? 1 : 0;
+    steps.push_back(std::min(value, MinPyramid::kNumSteps));
+  }
+  std::sort(steps.begin(), steps.end());
+  const auto num_near = static_cast<int>(
+      std::count_if(steps.begin(), steps.end(), [](int step) { return step < MinPyramid::kNumSteps; }));
+  const auto num_points = static_cast<int>(steps.size());
+  int k = ChooseK(num_near, num_seen, world.mhd);
+  if (k <= num_near) k = std::min(k, seen_only.max_near);
+  const int by_share = std::max(1, static_cast<int>(std::ceil(seen_only.min_share * num_points - 1e-9)));
+  k = std::max(k, std::min(by_share, ChooseK(0, num_points, world.mhd)));
+  double sum = 0.0;
+  for (int i = 0; i < k; ++i) sum += steps[static_cast<size_t>(i)];
+  const SE2 motion = world.center.Inverse() * pose;
+  const double penalty = world.window.penalty.per_metre * std::hypot(motion.x(), motion.y()) +
+                         world.window.penalty.per_radian * std::abs(motion.theta());
+  return {sum / k * kMaxDistance / MinPyramid::kNumSteps + penalty, k};
+}
+
+TEST(BranchAndBoundTest, FindsWhatExhaustiveSearchByWhatWasSeenFinds) {
+  std::mt19937 random(16);
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  int num_other = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    SCOPED_TRACE(trial);
+    const World world = RandomWorld(&random);
+    if (world.points.empty()) continue;
+    const MatchTarget target(world.cells, kCell, kMaxDistance);
+    OccupancyGridOptions grid_options;
+    grid_options.cell_size = 2.0 * kCell;
+    OccupancyGrid grid(grid_options);
+    PlanarScan scan;
+    for (double angle = 0.0; angle < 4.0; angle += 0.05) {
+      const double range = uniform(2.0, 6.0);
+      scan.free_ends.emplace_back(range * std::cos(angle), range * std::sin(angle));
+    }
+    grid.Insert(world.center, scan);
+    MinPyramid pyramid(target.field(), FreeArea(grid), 1);
+    SeenOnly seen_only{&pyramid, uniform(0.1, 1.0)};
+    if (trial % 2 == 1) seen_only.max_near = std::uniform_int_distribution<int>(1, 20)(random);
+    double least = std::numeric_limits<double>::infinity();
+    for (const SE2& pose : Grid(world)) least = std::min(least, CostOfSeen(world, seen_only, pose).first);
+    const auto found = BranchAndBound(target, world.points, world.center, world.window, world.mhd, kMaxDistance + 1.0,
+                                      std::nullopt, seen_only);
+    ASSERT_TRUE(found.has_value());
+    EXPECT_NEAR(found->cost, least, 1e-6);
+    const auto [cost, num_used] = CostOfSeen(world, seen_only, found->pose);
+    EXPECT_NEAR(cost, found->cost, 1e-6);
+    EXPECT_EQ(num_used, found->num_used);
+    num_other += std::abs(SearchAll(world, target, std::nullopt).cost - least) > 1e-3;
+  }
+  EXPECT_GT(num_other, 100) << "it should matter what was seen";
 }
 
 TEST(BranchAndBoundTest, AnExclusionOfTheWholeWindowLeavesNothing) {

@@ -2,12 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "core/geometry/angles.h"
+#include "core/map/free_area.h"
 #include "tests/frontend/simulated_run.h"
 
 namespace arborslam {
@@ -119,28 +122,47 @@ TEST(MatcherTest, AnExactlyRepeatingGridIsAmbiguous) {
   EXPECT_EQ(match.verdict, MatchVerdict::kAccepted);
 }
 
-TEST(MatcherTest, WhereTheMapOfAGridEndsARivalIsJudgedByThePartThatFits) {
+// Cells of twice the size, as loops take them to tell what is free.
+OccupancyGrid FreeGrid() {
+  OccupancyGridOptions options;
+  options.cell_size *= 2.0;
+  options.miss_range *= 2.0;
+  return OccupancyGrid(options);
+}
+
+TEST(MatcherTest, WhereTheMapOfAGridEndsARivalIsJudgedByWhatWasSeen) {
   const PlanarOrchard orchard(EndlessGrid());
   const size_t index = 100;
   const SE2 truth = orchard.TruePose(index);
-  // The map and the scan end 2.6 m ahead and behind, so that the next tree's pose leaves much of the scan without map.
-  const auto is_near = [&truth](const Eigen::Vector2f& in_map) { return std::abs(in_map.x() - truth.x()) < 2.6; };
-  std::vector<OccupiedCell> cells;
-  const OccupancyGrid grid = MapOf(orchard, index - 30, 61, index);
-  for (const OccupiedCell& cell : grid.OccupiedCells(static_cast<float>(LogOddsOf(0.55)))) {
-    if (is_near(cell.centroid)) cells.push_back(cell);
+  // Nothing is seen farther than 2.6 m ahead and behind, so that the next tree's pose leaves much of the scan without
+  // map.
+  const auto seen_at = [&](size_t i) {
+    PlanarScan scan = ProjectLaserScan(orchard.Scan(i), ProjectionOptions());
+    const auto is_far = [&](const Eigen::Vector2f& point) {
+      return std::abs((orchard.TruePose(i) * point.cast<double>()).x() - truth.x()) > 2.6;
+    };
+    scan.points.erase(std::remove_if(scan.points.begin(), scan.points.end(), is_far), scan.points.end());
+    scan.free_ends.clear();
+    return scan;
+  };
+  OccupancyGrid grid{OccupancyGridOptions()};
+  OccupancyGrid free_grid = FreeGrid();
+  for (size_t i = index - 30; i <= index + 30; ++i) {
+    if (i == index) continue;
+    grid.Insert(orchard.TruePose(i), seen_at(i));
+    free_grid.Insert(orchard.TruePose(i), seen_at(i));
   }
-  const MatchTarget target(cells, grid.cell_size(), kTestMaxDistance);
-  std::vector<Eigen::Vector2f> points;
-  for (const Eigen::Vector2f& point : PointsOf(orchard, index)) {
-    if (is_near((truth * point.cast<double>()).cast<float>())) points.push_back(point);
-  }
+  const MatchTarget target = TargetOf(grid);
+  const std::vector<Eigen::Vector2f> points = seen_at(index).points;
   const SearchWindow window{2.3, 0.1, 0.01, {}};
-  MatchResult match = DefaultMatcher().Match(target, points, truth, window);
-  DefaultMatcher().CheckUniqueness(target, points, window, &match);
-  EXPECT_EQ(match.verdict, MatchVerdict::kAccepted);
-  DefaultMatcher().CheckUniqueness(target, points, window, &match, 0.4);
-  EXPECT_EQ(match.verdict, MatchVerdict::kAmbiguous);
+  const auto verdict = [&](const std::optional<SeenOnly>& seen_only) {
+    MatchResult match = DefaultMatcher().Match(target, points, truth, window);
+    DefaultMatcher().CheckUniqueness(target, points, window, &match, seen_only);
+    return match.verdict;
+  };
+  EXPECT_EQ(verdict(std::nullopt), MatchVerdict::kAccepted);
+  MinPyramid seen(target.field(), FreeArea(free_grid), 1);
+  EXPECT_EQ(verdict(SeenOnly{&seen, 0.4}), MatchVerdict::kAmbiguous);
 }
 
 TEST(MatcherTest, AnIrregularOrchardIsNotAmbiguous) {
@@ -153,8 +175,13 @@ TEST(MatcherTest, AnIrregularOrchardIsNotAmbiguous) {
   MatchResult match = DefaultMatcher().Match(target, points, orchard.TruePose(50), beyond_a_tree);
   DefaultMatcher().CheckUniqueness(target, points, beyond_a_tree, &match);
   EXPECT_EQ(match.verdict, MatchVerdict::kAccepted);
-  DefaultMatcher().CheckUniqueness(target, points, beyond_a_tree, &match, 0.4);
-  EXPECT_EQ(match.verdict, MatchVerdict::kAccepted) << "by the part that fits best, too";
+  OccupancyGrid free_grid = FreeGrid();
+  for (size_t i = 30; i < 71; ++i) {
+    if (i != 50) free_grid.Insert(orchard.TruePose(i), ProjectLaserScan(orchard.Scan(i), ProjectionOptions()));
+  }
+  MinPyramid seen(target.field(), FreeArea(free_grid), 1);
+  DefaultMatcher().CheckUniqueness(target, points, beyond_a_tree, &match, SeenOnly{&seen, 0.4});
+  EXPECT_EQ(match.verdict, MatchVerdict::kAccepted) << "by what was seen, too";
 }
 
 TEST(MatcherTest, MatchBetterFindsNothingThatIsNotBetter) {
