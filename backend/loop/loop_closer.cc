@@ -28,12 +28,12 @@ struct Pair {
 constexpr double kCorner = 1.5;
 // Less than this share of the scans around put into maps: the run was lost there.
 constexpr double kTrackedShare = 0.5;
+// Keyframes before and after, of which a keyframe's share is taken.
+constexpr size_t kTrackedReach = 10;
 // Cells of what is known to be free of a submap are so much greater than its own,
 constexpr double kFreeCoarseness = 2.0;
 // and every so many of its scans tell of it.
 constexpr size_t kFreeStride = 3;
-// Keyframes before and after, of which a keyframe's share is taken.
-constexpr size_t kTrackedReach = 10;
 
 // The window for a keyframe that is known with `covariance`; without one, the widest.
 Pair WithWindow(Pair pair, const std::optional<Eigen::Matrix3d>& covariance, const LoopOptions& options) {
