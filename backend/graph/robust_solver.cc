@@ -5,6 +5,9 @@
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 #include <glog/logging.h>
+#ifdef _OPENMP
+#include <omp.h>
+#endif
 
 #include <cmath>
 #include <limits>
@@ -28,6 +31,22 @@ class GemanMcClureLoss : public ceres::LossFunction {
 
  private:
   double squared_scale_;
+};
+
+// While it lives, OpenMP has no more than the calling thread here. CHOLMOD may have been built to start several
+// whatever Ceres is told, which wait for each other by spinning: many small factorisations take longer, and on a busy
+// machine several times as long.
+class OneOpenMpThread {
+ public:
+#ifdef _OPENMP
+  OneOpenMpThread() : levels_(omp_get_max_active_levels()) { omp_set_max_active_levels(0); }
+  ~OneOpenMpThread() { omp_set_max_active_levels(levels_); }
+  OneOpenMpThread(const OneOpenMpThread&) = delete;
+  OneOpenMpThread& operator=(const OneOpenMpThread&) = delete;
+
+ private:
+  int levels_;
+#endif
 };
 
 ceres::Problem::Options OwnNothing() {
@@ -97,6 +116,7 @@ void RobustSolver::Solve(double scale, int max_iterations, double tolerance) {
   std::string error;
   CHECK(options.IsValid(&error)) << error;  // Ceres may have been built without SuiteSparse.
   ceres::Solver::Summary summary;
+  [[maybe_unused]] const OneOpenMpThread one_thread;
   ceres::Solve(options, &problem_->ceres, &summary);
   LOG_IF(WARNING, !summary.IsSolutionUsable()) << summary.message;
   final_cost_ = summary.IsSolutionUsable() ? summary.final_cost : std::numeric_limits<double>::infinity();
