@@ -5,7 +5,7 @@
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 #include <glog/logging.h>
-#ifdef _OPENMP
+#ifdef ARBORSLAM_HAS_OPENMP
 #include <omp.h>
 #endif
 
@@ -38,7 +38,7 @@ class GemanMcClureLoss : public ceres::LossFunction {
 // machine several times as long.
 class OneOpenMpThread {
  public:
-#ifdef _OPENMP
+#ifdef ARBORSLAM_HAS_OPENMP
   OneOpenMpThread() : levels_(omp_get_max_active_levels()) { omp_set_max_active_levels(0); }
   ~OneOpenMpThread() { omp_set_max_active_levels(levels_); }
   OneOpenMpThread(const OneOpenMpThread&) = delete;
