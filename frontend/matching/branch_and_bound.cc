@@ -22,7 +22,8 @@ struct Node {
   int y;
   int level;
   double bound;
-  int num_used;  // How many points the bound is the mean of.
+  double core_cost;  // [quantisation steps], mean of the least K that any pose has; in a box at most that of any.
+  int num_used;      // How many points the bound is the mean of.
 };
 
 class Search {
@@ -49,6 +50,7 @@ class Search {
     if (seen_only_) {
       const int least_seen = static_cast<int>(std::ceil(seen_only_->min_share * num_points_ - 1e-9));
       least_k_ = std::clamp(least_seen, 1, least_k_);
+      max_core_cost_ = seen_only_->max_core_cost / pyramid_->metres_per_step();
     }
     first_x_ = pyramid_->first_x();
     first_y_ = pyramid_->first_y();
@@ -61,15 +63,16 @@ class Search {
     for (int rotation = 0; rotation < num_rotations(); ++rotation) {
       for (int x = -half_cells_; x <= half_cells_; x += size) {
         for (int y = -half_cells_; y <= half_cells_; y += size) {
-          Node node{rotation, x, y, top_level_, 0.0, 0};
+          Node node{rotation, x, y, top_level_, 0.0, 0.0, 0};
           Score(&node);
-          if (node.bound < best_cost_) nodes.push_back(node);
+          if (IsPromising(node)) nodes.push_back(node);
         }
       }
     }
     Descend(&nodes);
     if (!found_) return std::nullopt;
-    return SearchResult{best_pose_, best_cost_ * pyramid_->metres_per_step(), best_k_, num_scored_};
+    const double step = pyramid_->metres_per_step();
+    return SearchResult{best_pose_, best_cost_ * step, best_core_cost_ * step, best_k_, num_scored_};
   }
 
  private:
@@ -116,15 +119,21 @@ class Search {
     if (seen_only_) num_seen = MergeUnseen(&histogram);
     const int num_near = num_points_ - histogram[MinPyramid::kNumSteps];
     node->num_used = node->level == 0 ? PoseK(num_near, num_seen) : LeastK(num_seen);
-    int left = node->num_used;
-    int64_t sum = 0;
-    for (int step = 0; left > 0; ++step) {
-      const int count = std::min(left, histogram[static_cast<size_t>(step)]);
-      sum += static_cast<int64_t>(count) * step;
-      left -= count;
-    }
-    node->bound = static_cast<double>(sum) / node->num_used + Penalty(*node);
+    const auto mean_of_least = [&histogram](int k) {
+      int left = k;
+      int64_t sum = 0;
+      for (int step = 0; left > 0; ++step) {
+        const int count = std::min(left, histogram[static_cast<size_t>(step)]);
+        sum += static_cast<int64_t>(count) * step;
+        left -= count;
+      }
+      return static_cast<double>(sum) / k;
+    };
+    node->bound = mean_of_least(node->num_used) + Penalty(*node);
+    node->core_cost = seen_only_ ? mean_of_least(least_k_) : 0.0;
   }
+
+  bool IsPromising(const Node& node) const { return node.bound < best_cost_ && node.core_cost < max_core_cost_; }
 
   // Adds the points in windows that were not seen wholly to the others of their distance; returns the number of others.
   int MergeUnseen(std::array<int, 2 * MinPyramid::kUnseen>* histogram) const {
@@ -176,6 +185,7 @@ class Search {
         const SE2 pose = Pose(node);
         if (IsExcluded(pose)) continue;
         best_cost_ = node.bound;
+        best_core_cost_ = node.core_cost;
         best_k_ = node.num_used;
         best_pose_ = pose;
         found_ = true;
@@ -188,9 +198,9 @@ class Search {
       for (const int x : {node.x, node.x + half}) {
         for (const int y : {node.y, node.y + half}) {
           if (x > half_cells_ || y > half_cells_) continue;
-          Node child{node.rotation, x, y, node.level - 1, 0.0, 0};
+          Node child{node.rotation, x, y, node.level - 1, 0.0, 0.0, 0};
           Score(&child);
-          if (child.bound < best_cost_) children.push_back(child);
+          if (IsPromising(child)) children.push_back(child);
         }
       }
       Descend(&children);
@@ -214,6 +224,8 @@ class Search {
   int first_y_ = 0;
   std::vector<CellOffset> cells_;
   double best_cost_ = 0.0;  // [quantisation steps]
+  double best_core_cost_ = 0.0;
+  double max_core_cost_ = std::numeric_limits<double>::infinity();
   int best_k_ = 0;
   SE2 best_pose_;
   bool found_ = false;

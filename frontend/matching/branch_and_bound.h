@@ -47,12 +47,15 @@ struct SeenOnly {
   MinPyramid* pyramid;  ///< Of the target and of what is free; levels are added as needed.
   double min_share;     ///< So large a share of all points counts, even if fewer are seen; above `alpha_min` as that.
   int max_near = std::numeric_limits<int>::max();  ///< Where all K points are near to the map, K is no greater.
+  /// [m], the mean distance of the points of `min_share`, those that fit best, must be less.
+  double max_core_cost = std::numeric_limits<double>::infinity();
 };
 
 /// The best pose of a window.
 struct SearchResult {
   SE2 pose;                ///< T_target_base.
   double cost = 0.0;       ///< [m], its MHD on quantised cell distances (at most one step too low) and the penalty.
+  double core_cost = 0.0;  ///< [m], mean distance of the least K of points, those that fit best.
   int num_used = 0;        ///< Points that the MHD is the mean of, K.
   int64_t num_scored = 0;  ///< Nodes and leaves that were scored.
 };

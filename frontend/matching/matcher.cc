@@ -1,6 +1,7 @@
 #include "frontend/matching/matcher.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <sstream>
 
@@ -10,6 +11,10 @@ namespace {
 // Poses nearer to the best one than this belong to the same mode.
 constexpr double kModeTranslation = 0.5;  // [m]
 constexpr double kModeRotation = 0.1;     // [rad]
+// Of a point's distance to where the map has it: half a cell.
+constexpr double kCellDeviation = 0.5;
+// [standard deviations], a smaller difference between two means is none.
+constexpr double kSigmas = 3.0;
 // Around a refined pose, the best one on a search's grid is found in this.
 constexpr SearchWindow kGridWindow{0.1, 0.02, 0.01, {}};
 
@@ -104,11 +109,18 @@ void Matcher::CheckUniqueness(const MatchTarget& target, const std::vector<Eigen
   // The search tells costs apart by quantisation steps: a perfect one, 0, must not rule out its equals.
   const double step = static_cast<double>(target.field().max_distance()) / MinPyramid::kNumSteps;
   double limit = std::max(best->cost, step) / options_.max_second_ratio;
-  // Nor can two be told apart that both fit to half a cell.
-  if (seen_only) limit = std::max(limit, 0.5 * target.field().cell_size());
-  // What fits more points than the match does is no worse a rival.
   std::optional<SeenOnly> of_rivals = seen_only;
-  if (of_rivals) of_rivals->max_near = best->num_used;
+  if (of_rivals) {
+    // Means over few points scatter: nor can two be told apart that differ by no more than that.
+    const double deviation = kCellDeviation * target.field().cell_size();
+    const double num_core = std::min(of_rivals->min_share, mhd_.alpha_min) * static_cast<double>(sample.size());
+    limit = std::max(limit, best->cost + kSigmas * deviation / std::sqrt(best->num_used));
+    // Leaves and grass fit about as well anywhere: what fits best, as what stands firm does, must do so, too.
+    of_rivals->max_core_cost = std::max(best->core_cost / options_.max_second_ratio,
+                                        best->core_cost + kSigmas * deviation / std::sqrt(num_core));
+    // What fits more points than the match does is no worse a rival.
+    of_rivals->max_near = best->num_used;
+  }
   const std::optional<SearchResult> rival =
       BranchAndBound(target, sample, match->pose, window, mhd_, limit,
                      Exclusion{match->pose, kModeTranslation, kModeRotation, true}, of_rivals);

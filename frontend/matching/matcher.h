@@ -92,8 +92,8 @@ class Matcher {
   /// Searches `window` around `match->pose`, without the neighbourhood of that, for a pose that fits nearly as well. If
   /// there is one, the match becomes ambiguous and its second score is that pose's cost [m]. The window may be wider
   /// than the one that the match was found in: a tree or a row farther on things may look the same.
-  /// @param seen_only where a map ends things may go on: what it has not seen then does not speak against a rival, and
-  ///                  one that fits to half a cell is one however well the match does.
+  /// @param seen_only where a map ends things may go on: what it has not seen then does not speak against a rival. Nor
+  ///                  does a difference that is no greater than means over as many points scatter.
   void CheckUniqueness(const MatchTarget& target, const std::vector<Eigen::Vector2f>& points,
                        const SearchWindow& window, MatchResult* match,
                        const std::optional<SeenOnly>& seen_only = std::nullopt) const;

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <random>
-#include <utility>
 
 #include "core/geometry/angles.h"
 
@@ -209,8 +209,14 @@ TEST(BranchAndBoundTest, AnyPoseOutsideAnExclusionWillDoIfSaid) {
   EXPECT_GT(num_better, 5) << "otherwise the best was found all the same";
 }
 
-// The cost of a pose by what was seen, and its K, by their definition.
-std::pair<double, int> CostOfSeen(const World& world, const SeenOnly& seen_only, const SE2& pose) {
+struct SeenCost {
+  double cost;       // [m]
+  double core_cost;  // [m]
+  int num_used;
+};
+
+// By their definition.
+SeenCost CostOfSeen(const World& world, const SeenOnly& seen_only, const SE2& pose) {
   std::vector<int> steps;
   int num_seen = 0;
   for (const Eigen::Vector2f& point : world.points) {
@@ -228,13 +234,15 @@ std::pair<double, int> CostOfSeen(const World& world, const SeenOnly& seen_only,
   int k = ChooseK(num_near, num_seen, world.mhd);
   if (k <= num_near) k = std::min(k, seen_only.max_near);
   const int by_share = std::max(1, static_cast<int>(std::ceil(seen_only.min_share * num_points - 1e-9)));
-  k = std::max(k, std::min(by_share, ChooseK(0, num_points, world.mhd)));
-  double sum = 0.0;
-  for (int i = 0; i < k; ++i) sum += steps[static_cast<size_t>(i)];
+  const int least_k = std::min(by_share, ChooseK(0, num_points, world.mhd));
+  k = std::max(k, least_k);
+  const auto mean_of_least = [&steps](int count) {
+    return std::accumulate(steps.begin(), steps.begin() + count, 0.0) / count * kMaxDistance / MinPyramid::kNumSteps;
+  };
   const SE2 motion = world.center.Inverse() * pose;
   const double penalty = world.window.penalty.per_metre * std::hypot(motion.x(), motion.y()) +
                          world.window.penalty.per_radian * std::abs(motion.theta());
-  return {sum / k * kMaxDistance / MinPyramid::kNumSteps + penalty, k};
+  return {mean_of_least(k) + penalty, mean_of_least(least_k), k};
 }
 
 TEST(BranchAndBoundTest, FindsWhatExhaustiveSearchByWhatWasSeenFinds) {
@@ -243,6 +251,7 @@ TEST(BranchAndBoundTest, FindsWhatExhaustiveSearchByWhatWasSeenFinds) {
     return std::uniform_real_distribution<double>(low, high)(random);
   };
   int num_other = 0;
+  int num_none = 0;
   for (int trial = 0; trial < 400; ++trial) {
     SCOPED_TRACE(trial);
     const World world = RandomWorld(&random);
@@ -260,18 +269,28 @@ TEST(BranchAndBoundTest, FindsWhatExhaustiveSearchByWhatWasSeenFinds) {
     MinPyramid pyramid(target.field(), FreeArea(grid), 1);
     SeenOnly seen_only{&pyramid, uniform(0.1, 1.0)};
     if (trial % 2 == 1) seen_only.max_near = std::uniform_int_distribution<int>(1, 20)(random);
+    if (trial % 3 == 2) seen_only.max_core_cost = uniform(0.05, 0.3);
     double least = std::numeric_limits<double>::infinity();
-    for (const SE2& pose : Grid(world)) least = std::min(least, CostOfSeen(world, seen_only, pose).first);
+    for (const SE2& pose : Grid(world)) {
+      const SeenCost at_pose = CostOfSeen(world, seen_only, pose);
+      if (at_pose.core_cost < seen_only.max_core_cost) least = std::min(least, at_pose.cost);
+    }
     const auto found = BranchAndBound(target, world.points, world.center, world.window, world.mhd, kMaxDistance + 1.0,
                                       std::nullopt, seen_only);
-    ASSERT_TRUE(found.has_value());
+    ASSERT_EQ(found.has_value(), std::isfinite(least));
+    if (!found) {
+      ++num_none;
+      continue;
+    }
     EXPECT_NEAR(found->cost, least, 1e-6);
-    const auto [cost, num_used] = CostOfSeen(world, seen_only, found->pose);
-    EXPECT_NEAR(cost, found->cost, 1e-6);
-    EXPECT_EQ(num_used, found->num_used);
+    const SeenCost at_found = CostOfSeen(world, seen_only, found->pose);
+    EXPECT_NEAR(found->cost, at_found.cost, 1e-6);
+    EXPECT_NEAR(found->core_cost, at_found.core_cost, 1e-6);
+    EXPECT_EQ(found->num_used, at_found.num_used);
     num_other += std::abs(SearchAll(world, target, std::nullopt).cost - least) > 1e-3;
   }
   EXPECT_GT(num_other, 100) << "it should matter what was seen";
+  EXPECT_GT(num_none, 10) << "some cores should fit nowhere";
 }
 
 TEST(BranchAndBoundTest, AnExclusionOfTheWholeWindowLeavesNothing) {
