@@ -19,8 +19,9 @@ class FreeArea {
   /// True if the cell that `point` [m], in the grid's frame, lies in is free.
   bool Contains(const Eigen::Vector2f& point) const;
 
-  // [m], corners of a box that holds all that is free.
+  /// Corners [m], in the grid's frame, of a box that holds all that is free.
   const Eigen::Vector2f& low() const { return origin_; }
+  /// The same.
   Eigen::Vector2f high() const { return origin_ + Eigen::Vector2f(width_, height_) / inverse_cell_size_; }
 
  private:

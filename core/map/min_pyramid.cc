@@ -94,8 +94,9 @@ void MinPyramid::AddLevel(Combine combine) {
     combine_into(outside.data(), shift, to);
     combine_into(from, below_height, to + shift);
   }
-  level.least.assign(static_cast<size_t>(level.width) * height, below.beyond);
-  std::copy(paired.begin(), paired.end(), level.least.begin());
+  level.least.reserve(static_cast<size_t>(level.width) * height);
+  level.least.assign(paired.begin(), paired.end());
+  level.least.resize(static_cast<size_t>(level.width) * height, below.beyond);
   for (size_t x = 0; x < static_cast<size_t>(level.width); ++x) {
     const uint8_t* before = x < shift ? outside.data() : paired.data() + (x - shift) * height;
     combine_into(before, height, level.least.data() + x * height);

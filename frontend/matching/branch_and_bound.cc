@@ -38,20 +38,18 @@ class Search {
     // The coarsest node covers about half the window, so that there is something to prune at the top.
     top_level_ = 0;
     while ((2 << top_level_) <= half_cells_ + 1) ++top_level_;
+    num_points_ = static_cast<int>(points.size());
+    least_k_ = ChooseK(0, num_points_, mhd);
     if (seen_only_) {
       seen_only_->pyramid->Extend(top_level_ + 1);
       pyramid_ = seen_only_->pyramid;
+      const int least_seen = static_cast<int>(std::ceil(seen_only_->min_share * num_points_ - 1e-9));
+      least_k_ = std::clamp(least_seen, 1, least_k_);
+      max_core_cost_ = seen_only_->max_core_cost / pyramid_->metres_per_step();
     } else {
       pyramid_ = &target.Pyramid(top_level_ + 1);
     }
     best_cost_ = max_cost / pyramid_->metres_per_step();
-    num_points_ = static_cast<int>(points.size());
-    least_k_ = ChooseK(0, num_points_, mhd);
-    if (seen_only_) {
-      const int least_seen = static_cast<int>(std::ceil(seen_only_->min_share * num_points_ - 1e-9));
-      least_k_ = std::clamp(least_seen, 1, least_k_);
-      max_core_cost_ = seen_only_->max_core_cost / pyramid_->metres_per_step();
-    }
     first_x_ = pyramid_->first_x();
     first_y_ = pyramid_->first_y();
   }
