@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include "backend/graph/map_parts.h"
 #include "backend/loop/drifted_loops.h"
 #include "backend/refine/map_refiner.h"
 #include "core/stopwatch.h"
@@ -38,6 +39,34 @@ bool AddLoops(std::vector<LoopCandidate> loops, PoseGraph* graph, LoopsByPair* b
     known = std::move(loop);
   }
   return has_accepted;
+}
+
+// Moves parts of the map whose relative poses were unknown to where the accepted `loops` between them have them, so
+// that the optimisation begins near its minimum: each to the part with the lower number, the first loop deciding.
+void PlaceParts(const std::vector<LoopCandidate>& loops, PoseGraph* graph) {
+  const MapParts parts(*graph);
+  if (parts.num_parts() < 2) return;
+  std::map<size_t, size_t> placed_in;
+  const auto root_of = [&placed_in](size_t part) {
+    while (placed_in.count(part) > 0) part = placed_in.at(part);
+    return part;
+  };
+  for (const LoopCandidate& loop : loops) {
+    if (!loop.accepted) continue;
+    const size_t of_submap = root_of(parts.Of(loop.submap));
+    const size_t of_keyframe = root_of(parts.Of(loop.keyframe));
+    if (of_submap == of_keyframe) continue;
+    // T_new_old of the part that moves.
+    const SE2 T_map_keyframe = graph->Pose(loop.submap) * loop.match.pose;
+    SE2 move = T_map_keyframe * graph->Pose(loop.keyframe).Inverse();
+    if (of_submap > of_keyframe) move = move.Inverse();
+    const size_t moved = std::max(of_submap, of_keyframe);
+    const PoseGraph before = *graph;
+    for (const auto& [id, pose] : before.poses()) {
+      if (root_of(parts.Of(id)) == moved) graph->SetPose(id, move * pose);
+    }
+    placed_in[moved] = std::min(of_submap, of_keyframe);
+  }
 }
 
 // True if the graph places the two far from where they were found.
@@ -76,6 +105,7 @@ void CloseLoops(const SlamOptions& options, const Matcher& matcher, int num_thre
     std::vector<LoopCandidate> found = is_near
                                            ? closer.FindAll(*graph, tracked, keyframes, submaps, by_pair, num_threads)
                                            : drifted.FindAll(*graph, keyframes, submaps, num_threads);
+    if (!is_near) PlaceParts(found, graph);
     const bool has_accepted = AddLoops(std::move(found), graph, &by_pair);
     solution->loop_ms += stopwatch.Lap();
     ++solution->num_loop_searches;
@@ -85,9 +115,11 @@ void CloseLoops(const SlamOptions& options, const Matcher& matcher, int num_thre
     if (!is_near && !has_grown) break;
     is_near = has_grown;
   }
-  const auto is_contradicted = [graph](const Constraint& loop) { return IsContradicted(loop, *graph); };
+  const auto is_contradicted = [graph](const Constraint& constraint) {
+    return constraint.kind == Constraint::Kind::kLoop && IsContradicted(constraint, *graph);
+  };
   while (true) {
-    const std::vector<Constraint> dropped = graph->DropLoops(is_contradicted);
+    const std::vector<Constraint> dropped = graph->Remove(is_contradicted);
     if (dropped.empty()) break;
     RefuseDropped(dropped, &by_pair);
     optimize();

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 
+#include "backend/graph/map_parts.h"
 #include "core/geometry/tilt.h"
 
 namespace arborslam {
@@ -39,8 +40,10 @@ std::vector<Trajectory3> TrajectoriesOf(const SessionContents& session) {
 OccupancyGrid MapOf(const PoseGraph& graph, const std::vector<Keyframe>& keyframes,
                     const OccupancyGridOptions& options) {
   OccupancyGrid map(options);
+  const MapParts parts(graph);
   for (const Keyframe& keyframe : keyframes) {
-    if (keyframe.is_inserted) map.Insert(graph.Pose(keyframe.id), *keyframe.scan.Get());
+    const bool is_placed = parts.num_parts() == 1 || parts.Of(keyframe.id) == parts.main_part();
+    if (keyframe.is_inserted && is_placed) map.Insert(graph.Pose(keyframe.id), *keyframe.scan.Get());
   }
   return map;
 }

@@ -22,7 +22,7 @@ Trajectory3 Trajectory3Of(const PoseGraph& graph, const std::vector<PosedScan>& 
 /// The same of each recording of a session, in their order.
 std::vector<Trajectory3> TrajectoriesOf(const SessionContents& session);
 
-/// All clean scans of `keyframes` at their poses in `graph`, in the map frame.
+/// All clean scans of `keyframes` of the graph's main part (`MapParts`) at their poses, in the map frame.
 OccupancyGrid MapOf(const PoseGraph& graph, const std::vector<Keyframe>& keyframes,
                     const OccupancyGridOptions& options);
 

@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 #include <utility>
 
+#include "backend/graph/map_parts.h"
+#include "backend/loop/lost_scans.h"
 #include "backend/run_outputs.h"
 #include "backend/terrain/scan_tilts.h"
 #include "core/io/binary_archive.h"
@@ -17,6 +20,10 @@ namespace {
 // Information [1/m^2, 1/rad^2] that ties the first keyframe to the odometry frame's origin, and a submap to the
 // keyframe that begins it: a tenth of a millimetre.
 constexpr double kAnchorInformation = 1e8;
+// Standard deviations [m] and [rad] of a gap: the robot may have been carried anywhere. They only keep the graph whole.
+const Eigen::Vector3d kGapSigma(100.0, 100.0, 10.0);
+// Scans in a row that the map rejects before a new one is begun.
+constexpr int kMaxRejected = 3;
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 // The mean of a prediction with standard deviations `sigma` [m, m, rad] and of the match, each counting as it knows.
@@ -66,6 +73,7 @@ Slam::Slam(const SlamOptions& options, int num_threads, SessionContents contents
   for (size_t i = scans_.size() - std::min<size_t>(2, scans_.size()); i < scans_.size(); ++i) {
     state.Check(window_.Has(scans_[i].keyframe), "the last scans are not in the window");
   }
+  RestoreLoss(contents.read);
   const bool has_scans = tracker_.RestoreMaps([this](KeyframeId id) {
     const bool exists = id.value >= 0 && static_cast<size_t>(id.value) < keyframes_.size();
     return exists ? keyframes_[static_cast<size_t>(id.value)].scan.Get() : nullptr;
@@ -77,6 +85,20 @@ Slam::Slam(const SlamOptions& options, int num_threads, SessionContents contents
     state.Check(scan != scans_.end(), "a scan has no pose");
     if (read.result.has_ground) reducer_.AddTerrain(*scan->ground.Get(), read.result.T_odom_base, scan->tilt);
     ++scan;
+  }
+}
+
+void Slam::RestoreLoss(const std::vector<SessionContents::ReadScan>& read) {
+  size_t num_posed = 0;
+  for (const SessionContents::ReadScan& scan : read) {
+    if (scan.result.status == ScanStatus::kSkipped) continue;
+    const bool is_rejected = scan.result.status == ScanStatus::kPredicted && !wheels_.has_odometry() &&
+                             scan.result.match.num_points >= options_.matcher.min_points;
+    const bool begins_map = is_rejected && scan.result.is_inserted;
+    if (begins_map) map_begins_.push_back(num_posed);
+    was_matched_.push_back(scan.result.status == ScanStatus::kMatched ? 1 : 0);
+    num_rejected_ = is_rejected && !begins_map ? num_rejected_ + 1 : 0;
+    ++num_posed;
   }
 }
 
@@ -178,6 +200,10 @@ bool Slam::AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vect
   result.searched_wide = tracked.searched_wide;
   result.status = is_first || IsUsable(tracked.match.verdict) ? ScanStatus::kMatched : ScanStatus::kPredicted;
   if (result.status == ScanStatus::kPredicted) result.reason = ToString(tracked.match.verdict);
+  const bool is_rejected =
+      result.status == ScanStatus::kPredicted && static_cast<int>(to_match.size()) >= options_.matcher.min_points;
+  num_rejected_ = is_rejected && !prediction.since_scan ? num_rejected_ + 1 : 0;
+  const bool begins_map = num_rejected_ == kMaxRejected;
   const bool is_clean = tracked.insert && IsUsable(tracked.match.verdict);
   if (is_clean && prediction.since_scan) {
     wheels_.Learn(*prediction.since_scan, last_pose.Inverse() * tracked.match.pose, tracked.match.information);
@@ -186,18 +212,21 @@ bool Slam::AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vect
     motion_.Add({scans_.back().stamp, last_pose}, {result.stamp, tracked.match.pose},
                 IsUsable(tracked.match.verdict) ? tracked.match.information : Eigen::Matrix3d::Zero());
   }
+  was_matched_.push_back(result.status == ScanStatus::kMatched ? 1 : 0);
   result.match_ms = stopwatch.Lap();
 
-  result.is_keyframe =
-      is_first || tracker_.IsKeyframe({keyframes_.back().scan.Get()->stamp, graph_.Pose(keyframes_.back().id)},
-                                      {result.stamp, tracked.match.pose});
+  // Rejected scans are kept: a later map may tell where they were taken.
+  result.is_keyframe = is_first || is_rejected ||
+                       tracker_.IsKeyframe({keyframes_.back().scan.Get()->stamp, graph_.Pose(keyframes_.back().id)},
+                                           {result.stamp, tracked.match.pose});
   if (!result.is_keyframe) {
     const KeyframeId last = keyframes_.back().id;
     result.T_odom_base = Fuse(prediction.pose, prediction.sigma, tracked.match);
     scans_.push_back({result.stamp, last, window_.Pose(last).Inverse() * result.T_odom_base, {}, {}, {}, {}, {}});
     return tracked.is_improved;
   }
-  result.T_odom_base = Smooth(tracked.is_improved ? *improvement->scan : planar, prediction, tracked);
+  if (begins_map) BeginMap();
+  result.T_odom_base = Smooth(tracked.is_improved ? *improvement->scan : planar, prediction, tracked, begins_map);
   result.is_inserted = keyframes_.back().is_inserted;
   result.window_ms = stopwatch.Lap();
   scans_.push_back({result.stamp, keyframes_.back().id, SE2(), {}, {}, {}, {}, {}});
@@ -208,14 +237,25 @@ bool Slam::AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vect
   return tracked.is_improved;
 }
 
+void Slam::BeginMap() {
+  for (Submap& submap : tracker_.FinishAll()) AddSubmap(std::move(submap));
+  motion_ = MotionFilter(options_.motion);
+  num_rejected_ = 0;
+  map_begins_.push_back(scans_.size());
+}
+
 StampedPose Slam::WindowPose(const PosedScan& scan) const {
   return {scan.stamp, window_.Pose(scan.keyframe) * scan.T_keyframe_scan};
 }
 
 Slam::Prediction Slam::PredictScan(double stamp, const std::optional<SE2>& odometry) const {
   const Eigen::Vector3d most = options_.motion.GreatestSigma();
-  Prediction prediction{
-      SE2(), most, most, scans_.size() > 1, wheels_.SinceScan(odometry), wheels_.SinceKeyframe(odometry)};
+  Prediction prediction{SE2(),
+                        most,
+                        most,
+                        scans_.size() > (map_begins_.empty() ? 0 : map_begins_.back()) + 1,
+                        wheels_.SinceScan(odometry),
+                        wheels_.SinceKeyframe(odometry)};
   if (!scans_.empty()) {
     const MotionFilter::Prediction by_motion = motion_.Predict(WindowPose(scans_.back()), stamp);
     prediction.pose = by_motion.pose;
@@ -232,7 +272,7 @@ Slam::Prediction Slam::PredictScan(double stamp, const std::optional<SE2>& odome
   return prediction;
 }
 
-SE2 Slam::Smooth(const PlanarScan& scan, const Prediction& prediction, const TrackingResult& tracked) {
+SE2 Slam::Smooth(const PlanarScan& scan, const Prediction& prediction, const TrackingResult& tracked, bool begins_map) {
   const KeyframeId id{static_cast<int>(keyframes_.size())};
   const bool is_first = keyframes_.empty();
   window_.AddNode(id, tracked.match.pose);
@@ -254,6 +294,10 @@ SE2 Slam::Smooth(const PlanarScan& scan, const Prediction& prediction, const Tra
       Constraint motion{last, id, window_.Pose(last).Inverse() * expected, MotionInformation(prediction.step_sigma),
                         Constraint::Kind::kMotion};
       window_.AddConstraint(motion);
+      if (begins_map) {
+        motion.kind = Constraint::Kind::kGap;
+        motion.information = MotionInformation(kGapSigma);
+      }
       // It was derived from earlier matches. Over the whole run these say more once they are corrected by later ones,
       // and the motion counts only where the match leaves something open.
       if (tracked.match.verdict == MatchVerdict::kAccepted) {
@@ -271,7 +315,7 @@ SE2 Slam::Smooth(const PlanarScan& scan, const Prediction& prediction, const Tra
   kept.points = scan.points;
   kept.free_ends = scan.free_ends;
   kept.point_rays_are_free = scan.point_rays_are_free;
-  keyframes_.push_back({id, {std::move(kept), store_}, is_first || tracked.insert});
+  keyframes_.push_back({id, {std::move(kept), store_}, is_first || begins_map || tracked.insert});
 
   window_.Solve();
   for (const auto& [node, pose] : window_.poses()) graph_.SetPose(node, pose);
@@ -320,7 +364,9 @@ FinishResult Slam::Finish(bool odometry_only) {
   result.sweep_duration = FinishDuration();
   for (Submap& submap : tracker_.FinishAll()) AddSubmap(std::move(submap));
   Stopwatch stopwatch;
+  if (!odometry_only) RecoverLost();
   if (odometry_only || keyframes_.empty()) {
+    PlaceUnmeasured(&result);
     SmoothTilts(options_.terrain, graph_, &scans_);
     result.terrain_ms = stopwatch.Lap();
     return result;
@@ -328,9 +374,71 @@ FinishResult Slam::Finish(bool odometry_only) {
   static_cast<GlobalSolution&>(result) =
       SolveGlobally(options_, matcher_, num_threads_, keyframes_, &graph_, &submaps_);
   stopwatch.Lap();
+  PlaceUnmeasured(&result);
   SmoothTilts(options_.terrain, graph_, &scans_);
   result.terrain_ms = stopwatch.Lap();
   return result;
+}
+
+void Slam::RecoverLost() {
+  const std::vector<KeyframeId> recovered =
+      RecoverLostScans(options_.tracker, matcher_, options_.grid.cell_size, options_.matcher.max_distance, keyframes_,
+                       submaps_, &graph_);
+  // A map all of whose scans the next one has taken over was a start that failed.
+  size_t begin = 0;
+  std::vector<size_t> kept;
+  for (const size_t end : map_begins_) {
+    bool is_whole = true;
+    for (size_t i = begin; i < end; ++i) {
+      const bool is_recovered = std::binary_search(recovered.begin(), recovered.end(), scans_[i].keyframe);
+      is_whole = is_whole && (is_recovered || !was_matched_[i]);
+    }
+    if (!is_whole) kept.push_back(end);
+    begin = end;
+  }
+  map_begins_ = std::move(kept);
+}
+
+void Slam::PlaceUnmeasured(FinishResult* result) {
+  std::set<NodeId> measured;
+  for (const Constraint& constraint : graph_.constraints()) {
+    if (IsMatch(constraint)) measured.insert(constraint.to);
+  }
+  const MapParts parts(graph_);
+  result->pose_sources.assign(scans_.size(), PoseSource::kUnknown);
+  std::optional<size_t> before;  // The last measured scan.
+  for (size_t i = 0; i < scans_.size(); ++i) {
+    if (IsKeyframe(i) ? measured.count(scans_[i].keyframe) == 0 : !was_matched_[i]) continue;
+    result->pose_sources[i] = PoseSource::kMeasured;
+    const size_t part = parts.Of(scans_[i].keyframe);
+    const bool is_same = before && parts.Of(scans_[*before].keyframe) == part;
+    if (is_same) {
+      InterpolateBetween(*before, i);
+      std::fill(result->pose_sources.begin() + static_cast<std::ptrdiff_t>(*before) + 1,
+                result->pose_sources.begin() + static_cast<std::ptrdiff_t>(i), PoseSource::kInterpolated);
+    }
+    if (is_same && !std::binary_search(map_begins_.begin(), map_begins_.end(), i)) {
+      result->segments.back().last_scan = i;
+    } else {
+      result->segments.push_back({i, i, part == parts.main_part()});
+    }
+    before = i;
+  }
+}
+
+bool Slam::IsKeyframe(size_t scan) const { return scan == 0 || scans_[scan - 1].keyframe < scans_[scan].keyframe; }
+
+void Slam::InterpolateBetween(size_t before, size_t after) {
+  const StampedPose from{scans_[before].stamp, graph_.Pose(scans_[before].keyframe) * scans_[before].T_keyframe_scan};
+  const StampedPose to{scans_[after].stamp, graph_.Pose(scans_[after].keyframe) * scans_[after].T_keyframe_scan};
+  for (size_t i = before + 1; i < after; ++i) {
+    const SE2 pose = Interpolate(from.pose, to.pose, (scans_[i].stamp - from.stamp) / (to.stamp - from.stamp));
+    if (IsKeyframe(i)) {
+      graph_.SetPose(scans_[i].keyframe, pose);
+    } else {
+      scans_[i].T_keyframe_scan = graph_.Pose(scans_[i].keyframe).Inverse() * pose;
+    }
+  }
 }
 
 void Slam::AddToDuration(const LidarSweep& sweep, const ReducedSweep& reduced, const ScanResult& result) {

@@ -12,6 +12,7 @@
 #include "backend/graph/pose_graph.h"
 #include "backend/keyframe.h"
 #include "backend/posed_scan.h"
+#include "backend/run_verdict.h"
 #include "backend/scan_result.h"
 #include "backend/slam_options.h"
 #include "backend/store/session_contents.h"
@@ -42,6 +43,8 @@ struct SweepDurationResult {
 
 /// What the end of an offline run did.
 struct FinishResult : GlobalSolution {
+  std::vector<PoseSource> pose_sources;               ///< One for each of `Slam::scans`.
+  std::vector<MapSegment> segments;                   ///< In their order; one when tracking was never lost.
   std::optional<SweepDurationResult> sweep_duration;  ///< Nothing when the sweeps told it.
   double terrain_ms = 0.0;                            ///< [ms], heights and tilts.
 };
@@ -126,13 +129,25 @@ class Slam {
                      const Prediction& prediction, const Improvement* improvement, ScanResult* result);
   // Learns from a sweep how long sweeps last.
   void AddToDuration(const LidarSweep& sweep, const ReducedSweep& reduced, const ScanResult& result);
+  // Tracks scans that were lost backwards in the map that follows them.
+  void RecoverLost();
+  // Interpolates the poses of scans that were not measured, and finds the segments of the run.
+  void PlaceUnmeasured(FinishResult* result);
+  void InterpolateBetween(size_t before, size_t after);
+  // True if the scan became a keyframe; others hang on the keyframe before.
+  bool IsKeyframe(size_t scan) const;
   // Settles how long sweeps last, if they did not tell, and shifts all stamps accordingly.
   std::optional<SweepDurationResult> FinishDuration();
 
   // The window's present estimate of a scan's pose, T_odom_base; its keyframe must be in the window.
   StampedPose WindowPose(const PosedScan& scan) const;
   // Makes the scan a variable of window and graph, with all that was measured about it; returns its smoothed pose.
-  SE2 Smooth(const PlanarScan& scan, const Prediction& prediction, const TrackingResult& tracked);
+  // @param begins_map the scan is the first of a new map: nothing is measured from the scans before it.
+  SE2 Smooth(const PlanarScan& scan, const Prediction& prediction, const TrackingResult& tracked, bool begins_map);
+  // Ends the active submaps, in which nothing is found any more: the present scan begins a new map.
+  void BeginMap();
+  // Finds how many scans were rejected last, and where the present map began, from the results of all scans.
+  void RestoreLoss(const std::vector<SessionContents::ReadScan>& read);
   // Puts the latest keyframe's scan into the active submaps, and new submaps into window and graph.
   void InsertIntoSubmaps();
   // Takes a submap that is finished.
@@ -153,6 +168,9 @@ class Slam {
   std::vector<Keyframe> keyframes_;
   std::vector<Submap> submaps_;  // Finished ones.
   std::vector<PosedScan> scans_;
+  int num_rejected_ = 0;            // Scans in a row that the active submaps rejected.
+  std::vector<char> was_matched_;   // By scan: it was when it came.
+  std::vector<size_t> map_begins_;  // Indices into `scans_` of those that began a new map when tracking was lost.
   SweepDurationEstimator duration_estimator_;  // For sweeps whose duration is a guess.
   // What these sweeps say of themselves.
   struct DurationGuess {

@@ -12,8 +12,10 @@ namespace arborslam {
 /// Exit codes of every program.
 enum ExitCode : int {
   kExitSuccess = 0,
-  kExitFailure = 1,  ///< The work could not be done: a file, a record, a configuration.
-  kExitUsage = 2,    ///< The command line is at fault.
+  kExitFailure = 1,   ///< The work could not be done: a file, a record, a configuration.
+  kExitUsage = 2,     ///< The command line is at fault.
+  kExitDegraded = 3,  ///< Done, but parts of the result should not be trusted (`RunState::kDegraded`).
+  kExitLost = 4,      ///< Done, but the result should not be trusted (`RunState::kLost`).
 };
 
 /// What a program is, for `RunProgram`.

@@ -28,6 +28,7 @@
 #include "apps/offline/known_session.h"
 #include "apps/offline/loop_errors.h"
 #include "apps/offline/offline_options.h"
+#include "apps/offline/run_figures.h"
 #include "apps/offline/run_results.h"
 #include "apps/offline/second_pass.h"
 #include "apps/offline/summary.h"
@@ -54,6 +55,8 @@ DEFINE_string(ground_truth, "", "reference trajectory to report errors against")
 DEFINE_int32(threads, 0, "threads for loop closure and optimisation, 0: all cores");
 DEFINE_bool(odometry_only, false, "close no loops");
 DEFINE_int32(max_scans, 0, "stop after this many scans, 0: never");
+DEFINE_bool(disjoint, false, "keep the poses of segments that were not joined");
+DEFINE_bool(allow_degraded, false, "exit code 0 for a degraded run");
 DEFINE_bool(quiet, false, "print errors only");
 
 namespace arborslam {
@@ -84,6 +87,8 @@ and options give the same results, bit by bit, for any number of threads.
   --threads N            for loop closure and optimisation (default, and at most: all cores)
   --odometry_only        close no loops: trajectory.tum is what the sliding window left
   --max_scans N          stop after N scans
+  --disjoint             trajectory.tum also has the segments that were not joined to the map, each in its own frame
+  --allow_degraded       a degraded run ends with exit code 0
   --quiet                print errors only
   --help, --version
 
@@ -93,7 +98,11 @@ came), map.pgm + map.yaml (ROS map_server), map.png, cloud.ply (3D map, from 3D 
 file) and effective_config.yaml; and, from the first keyframe on, session.db, the run as it goes, from which --session
 and arborslam_session start, also when this program was killed (recording.db until the recording is placed in the map
 of another session). A pose's stamp is the middle of its sweep. Of a pose graph: trajectory.tum (every vertex, its id
-as the stamp), graph.g2o, graph.png, summary.json, report.html and effective_config.yaml. Ctrl-C ends the reading early
+as the stamp), graph.g2o, graph.png, summary.json, report.html and effective_config.yaml.
+
+The last line printed, summary.json and the report say whether to trust the result: ok (exit code 0), degraded (3: parts
+of the run, which it names, were lost; 0 with --allow_degraded) or lost (4: most of it was). Poses of scans that were
+not matched are interpolated between those before and after, or left out of trajectory.tum. Ctrl-C ends the reading early
 and keeps what there is (exit code 130), but makes no 3D map; a second one ends the program at once.
 )";
 
@@ -239,6 +248,37 @@ void TakeDuration(const SweepDurationResult& duration, RunRecord* record, Trajec
                                 : "The motion does not tell how long a sweep lasts; it stays at " + seconds +
                                       " (option input.sweep_duration).");
   if (!FLAGS_quiet) std::cerr << "note: " << record->notices.back() << "\n";
+}
+
+// Judges the run, and marks its scans by how they got their final poses: some that were rejected when they came have
+// been measured since, others are in no map.
+void JudgeScans(RunRecord* record) {
+  const FinishResult& finish = record->finish;
+  const std::vector<size_t> indices = PosedIndices(*record);
+  record->verdict = JudgeRun(finish.pose_sources, finish.segments, indices);
+  const std::vector<bool> placed = PlacedScans(finish.pose_sources, finish.segments);
+  for (size_t i = 0; i < indices.size(); ++i) {
+    ScanResult& scan = record->scans[indices[i]];
+    const bool is_measured = finish.pose_sources[i] == PoseSource::kMeasured;
+    if (is_measured && placed[i]) {
+      scan.status = ScanStatus::kMatched;
+      scan.reason.clear();
+    } else if (scan.status == ScanStatus::kMatched) {
+      scan.status = ScanStatus::kPredicted;
+      scan.reason = is_measured ? "in a segment that was not joined to the map" : "not found in the final map";
+    }
+  }
+}
+
+// Leaves out the poses of scans that have none in the map; with --disjoint only those that are guesses.
+template <class Poses>
+void KeepPlaced(const FinishResult& finish, Poses* poses) {
+  const std::vector<bool> placed = PlacedScans(finish.pose_sources, finish.segments);
+  Poses kept;
+  for (size_t i = 0; i < poses->size(); ++i) {
+    if (placed[i] || (FLAGS_disjoint && finish.pose_sources[i] == PoseSource::kMeasured)) kept.push_back((*poses)[i]);
+  }
+  *poses = std::move(kept);
 }
 
 void RequireKeyframes(const Slam& slam, const RunRecord& record) {
@@ -444,6 +484,7 @@ int Run(const MultiFlags& multi_flags) {
   session->Finish(slam, record.finish.sweep_duration ? record.finish.sweep_duration->stamp_shift : 0.0);
   if (record.finish.sweep_duration) TakeDuration(*record.finish.sweep_duration, &record, &odometry);
   record.num_submaps = slam.submaps().size();
+  JudgeScans(&record);
   JointMap joint;
   // A part of a recording is not placed: the rest could not follow.
   if (is_new && !record.is_interrupted) {
@@ -461,6 +502,8 @@ int Run(const MultiFlags& multi_flags) {
                              ".");
   }
   if (has_sweeps) RefineMaps(options, &record, &results);
+  KeepPlaced(record.finish, &results.trajectory.poses);
+  KeepPlaced(record.finish, &results.paths.back());
   record.wall_seconds = stopwatch.Lap() / 1000.0;
   std::string reference_problem;
   if (reference) reference_problem = EvaluateRun(slam, tracked, results.trajectory, odometry, *reference, &record);
@@ -471,7 +514,13 @@ int Run(const MultiFlags& multi_flags) {
   WriteResults(folder, options.slam, slam.submaps(), results, record, (is_new ? schema : session_schema).ToYaml());
   std::string kept_session = kSessionFile;
   if (is_new) kept_session = KeepJointSession(folder, joint.contents ? &*joint.contents : nullptr);
-  if (!FLAGS_quiet) std::cout << SummaryText(record) << "results in " << folder.string() << "\n" << std::flush;
+  if (!FLAGS_quiet)
+    std::cout << SummaryText(record) << "results in " << folder.string() << "\nverdict: " << TextOf(record.verdict)
+              << "\n"
+              << std::flush;
+  if (FLAGS_quiet && record.verdict.state != RunState::kOk) {
+    std::cerr << "arborslam_offline: verdict: " << TextOf(record.verdict) << "\n";
+  }
   if (record.is_interrupted) {
     std::cerr << "arborslam_offline: interrupted after " << record.scans.size() << " scans"
               << (is_new ? " and not placed in the map of " + FLAGS_session : "") << "; the results in "
@@ -492,7 +541,8 @@ int Run(const MultiFlags& multi_flags) {
     throw std::runtime_error(reference_problem + " (the results in " + folder.string() +
                              " are complete but for the errors; arborslam_evaluate can still compare them)");
   }
-  return kExitSuccess;
+  if (record.verdict.state == RunState::kLost) return kExitLost;
+  return record.verdict.state == RunState::kOk || FLAGS_allow_degraded ? kExitSuccess : kExitDegraded;
 }
 
 }  // namespace

@@ -18,6 +18,26 @@ const char* ToString(ScanStatus status) {
   return "unknown";
 }
 
+const char* ToString(PoseSource source) {
+  switch (source) {
+    case PoseSource::kMeasured:
+      return "measured";
+    case PoseSource::kInterpolated:
+      return "interpolated";
+    case PoseSource::kUnknown:
+      return "left out";
+  }
+  return "unknown";
+}
+
+std::vector<size_t> PosedIndices(const RunRecord& record) {
+  std::vector<size_t> indices;
+  for (size_t i = 0; i < record.scans.size(); ++i) {
+    if (record.scans[i].status != ScanStatus::kSkipped) indices.push_back(i);
+  }
+  return indices;
+}
+
 RunCounts CountRun(const RunRecord& record) {
   RunCounts counts;
   for (const ScanResult& scan : record.scans) {

@@ -12,6 +12,12 @@ namespace arborslam {
 /// "matched", "rejected" or "skipped".
 const char* ToString(ScanStatus status);
 
+/// "measured", "interpolated" or "left out".
+const char* ToString(PoseSource source);
+
+/// The places in the recording, from 0 on, of the scans that have a pose.
+std::vector<size_t> PosedIndices(const RunRecord& record);
+
 /// How many of a run's scans and loops came to what.
 struct RunCounts {
   size_t matched = 0;

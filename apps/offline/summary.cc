@@ -74,6 +74,7 @@ std::string SummaryJson(const RunRecord& record) {
   summary["threads"] = record.num_threads;
   summary["odometry_only"] = record.odometry_only;
   summary["interrupted"] = record.is_interrupted;
+  summary["verdict"] = {{"state", ToString(record.verdict.state)}, {"reasons", record.verdict.reasons}};
   summary["notices"] = record.notices;
 
   const RunCounts counts = CountRun(record);
@@ -85,14 +86,26 @@ std::string SummaryJson(const RunRecord& record) {
                       {"keyframes", counts.keyframes},
                       {"searched_wide", counts.searched_wide},
                       {"degenerate", counts.degenerate}};
+  const std::vector<size_t> indices = PosedIndices(record);
+  Json segments = Json::array();
+  for (const MapSegment& segment : record.finish.segments) {
+    segments.push_back({{"first_index", indices[segment.first_scan]},
+                        {"last_index", indices[segment.last_scan]},
+                        {"joined", segment.is_joined}});
+  }
+  summary["segments"] = segments;
   Json unused = Json::array();
+  size_t num_posed = 0;
   for (size_t i = 0; i < record.scans.size(); ++i) {
     const ScanResult& scan = record.scans[i];
+    const char* pose = "none";
+    if (scan.status != ScanStatus::kSkipped) pose = ToString(record.finish.pose_sources[num_posed++]);
     if (scan.status == ScanStatus::kMatched) continue;
     unused.push_back({{"index", i},
                       {"stamp_s", scan.stamp},
                       {"status", ToString(scan.status)},
                       {"reason", scan.reason},
+                      {"pose", pose},
                       {"points", scan.match.num_points},
                       {"mhd_m", scan.match.score},
                       {"inlier_ratio", scan.match.inlier_ratio}});

@@ -36,6 +36,7 @@ struct RunRecord {
   std::vector<std::string> notices;  ///< Of the reader.
   std::vector<ScanResult> scans;     ///< In the order of the file.
   FinishResult finish;               ///< Of the recording by itself.
+  RunVerdict verdict;                ///< Whether to trust it.
   std::optional<JoinRecord> join;    ///< Of a recording that was to be placed in the map of a session.
   std::optional<CloudRecord> cloud;  ///< None if none was made.
   bool maps_are_whole = true;        ///< False: the second reading was interrupted.

@@ -34,14 +34,14 @@ std::map<NodeId, double> CountNeighbours(const PoseGraph& graph, double length) 
 PoseGraph DiscountOverlap(const PoseGraph& graph, double correlation_length) {
   std::map<NodeId, double> num_matches;
   for (const Constraint& constraint : graph.constraints()) {
-    if (constraint.kind != Constraint::Kind::kMotion) num_matches[constraint.to] += 1.0;
+    if (IsMatch(constraint)) num_matches[constraint.to] += 1.0;
   }
   const std::map<NodeId, double> num_neighbours = CountNeighbours(graph, correlation_length);
   PoseGraph discounted;
   for (const auto& [id, pose] : graph.poses()) discounted.AddNode(id, pose);
   for (Constraint constraint : graph.constraints()) {
     const auto neighbours = num_neighbours.find(constraint.to);
-    if (constraint.kind != Constraint::Kind::kMotion && neighbours != num_neighbours.end()) {
+    if (IsMatch(constraint) && neighbours != num_neighbours.end()) {
       constraint.information /= num_matches[constraint.to] * neighbours->second;
     }
     discounted.AddConstraint(constraint);

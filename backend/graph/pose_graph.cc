@@ -37,14 +37,12 @@ void PoseGraph::AddConstraint(const Constraint& constraint) {
   constraints_.push_back(constraint);
 }
 
-std::vector<Constraint> PoseGraph::DropLoops(const std::function<bool(const Constraint&)>& is_wrong) {
-  const auto first_wrong =
-      std::stable_partition(constraints_.begin(), constraints_.end(), [&](const Constraint& constraint) {
-        return constraint.kind != Constraint::Kind::kLoop || !is_wrong(constraint);
-      });
-  std::vector<Constraint> dropped(first_wrong, constraints_.end());
+std::vector<Constraint> PoseGraph::Remove(const std::function<bool(const Constraint&)>& is_wrong) {
+  const auto first_wrong = std::stable_partition(constraints_.begin(), constraints_.end(),
+                                                 [&](const Constraint& constraint) { return !is_wrong(constraint); });
+  std::vector<Constraint> removed(first_wrong, constraints_.end());
   constraints_.erase(first_wrong, constraints_.end());
-  return dropped;
+  return removed;
 }
 
 PoseGraphSummary PoseGraph::Optimize(const PoseGraphOptions& options, int num_threads) {

@@ -46,8 +46,9 @@ class PoseGraph {
   /// Adds a measurement between two nodes of the graph. Pose and information must be finite.
   void AddConstraint(const Constraint& constraint);
 
-  /// Takes out the loops for which `is_wrong`, and returns them in the order in which they were added. No pose moves.
-  std::vector<Constraint> DropLoops(const std::function<bool(const Constraint&)>& is_wrong);
+  /// Removes the constraints for which `is_wrong`, and returns them in the order in which they were added. No pose
+  /// moves.
+  std::vector<Constraint> Remove(const std::function<bool(const Constraint&)>& is_wrong);
 
   /// Drops the loops that are wrong and moves all poses but the first keyframe's to the least cost of all other
   /// constraints (sparse Cholesky of SuiteSparse). Poses without a constraint stay where they are.

@@ -9,6 +9,7 @@
 #include <set>
 #include <utility>
 
+#include "backend/graph/map_parts.h"
 #include "backend/loop/relative_uncertainty.h"
 #include "backend/loop/submap_path.h"
 #include "backend/loop/submap_targets.h"
@@ -32,6 +33,8 @@ constexpr size_t kMinRatio = 4;
 constexpr double kDoubt = 3.0;
 // [m] of path: two pieces of this length with a loop between them have not drifted apart.
 constexpr double kPiece = 20.0;
+// [m], where a scan of an unjoined part of the map may be.
+constexpr double kAnywhere = 1e6;
 // Match targets that are kept for neighbouring keyframes.
 constexpr size_t kNumTargets = 8;
 // Keyframes per piece of work: neighbours share targets.
@@ -121,11 +124,16 @@ std::vector<Question> QuestionsOf(const LoopOptions& options, const PoseGraph& g
                                   int num_threads) {
   std::vector<Question> questions = Spaced(keyframes, path, submaps.size());
   const JoinedPieces pieces = PiecesJoinedBy(graph, submaps, path);
+  const MapParts parts(graph);
   ParallelFor(submaps.size(), num_threads, [&](size_t s) {
     const double middle = MiddleOf(submaps[s], path);
     const SubmapPath submap_path(submaps[s], graph);
     const RelativeUncertainty::View view = uncertainty.From(submaps[s].id);
     for (Question& question : questions) {
+      if (!parts.AreJoined(submaps[s].id, keyframes[question.keyframe].id)) {
+        question.is_possible[s] = 1;
+        continue;
+      }
       if (pieces.Are(middle, path[question.keyframe])) continue;
       const KeyframeId id = keyframes[question.keyframe].id;
       const std::optional<Eigen::Matrix3d> covariance = view.Of(id);
@@ -206,9 +214,11 @@ std::vector<LoopCandidate> DriftedLoopFinder::FindAll(const PoseGraph& graph, co
     const PlaceCandidate& found = recognition.candidates[*recognition.best];
     const SubmapId submap = submaps[found.submap_index].id;
     const SE2& T_graph_base = graph.Pose(keyframe.id);
-    const SearchedWindow window = WindowOf(uncertainty.From(submap).Of(keyframe.id).value());
+    // Of another part of the map nothing is known.
+    const std::optional<Eigen::Matrix3d> covariance = uncertainty.From(submap).Of(keyframe.id);
+    const SearchedWindow window = covariance ? WindowOf(*covariance) : SearchedWindow{kAnywhere, kPi};
     const double turn = NormalizeAngle(found.T_map_base.theta() - T_graph_base.theta());
-    const bool is_explained = std::abs(turn) <= kDoubt * window.rotation;
+    const bool is_explained = !covariance || std::abs(turn) <= kDoubt * window.rotation;
     return Answer{{keyframe.id, submap, graph.Pose(submap).Inverse() * T_graph_base, window.translation,
                    window.rotation, found.match, false, is_explained ? "" : "impossible drift"},
                   found.T_map_base,

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "backend/graph/map_parts.h"
 #include "backend/loop/relative_uncertainty.h"
 #include "backend/loop/submap_path.h"
 #include "backend/loop/tracked_share.h"
@@ -49,7 +50,7 @@ Pair WithWindow(Pair pair, const std::optional<Eigen::Matrix3d>& covariance, con
 // The keyframes that may see a submap of which the graph knows nothing yet, in their order. What was made while lost
 // sees nothing, and is not seen.
 std::vector<Pair> PairsOf(const Submap& submap, const std::vector<Keyframe>& keyframes, const TrackedShare& tracked,
-                          const PoseGraph& graph, const RelativeUncertainty::View& uncertainty,
+                          const PoseGraph& graph, const MapParts& parts, const RelativeUncertainty::View& uncertainty,
                           const std::set<LoopPair>& known, const LoopOptions& options) {
   if (tracked.Of(submap) < kTrackedShare) return {};
   // What is not known well may be nearer than it seems.
@@ -60,7 +61,7 @@ std::vector<Pair> PairsOf(const Submap& submap, const std::vector<Keyframe>& key
   for (size_t i = 0; i < keyframes.size(); i += static_cast<size_t>(options.keyframe_stride)) {
     const KeyframeId id = keyframes[i].id;
     if (!keyframes[i].is_inserted || tracked.Around(i, kTrackedReach) < kTrackedShare) continue;
-    if (members.count(id) > 0 || known.count({submap.id, id}) > 0) continue;
+    if (members.count(id) > 0 || known.count({submap.id, id}) > 0 || !parts.AreJoined(submap.id, id)) continue;
     const double distance = path.DistanceTo(graph.Pose(id).translation(), reach);
     if (!(distance < reach)) continue;
     const Pair pair = WithWindow({id, distance, 0.0, 0.0}, uncertainty.Of(id), options);
@@ -154,6 +155,7 @@ std::vector<LoopCandidate> LoopCloser::FindAll(const PoseGraph& graph, const Pos
                                                int num_threads) const {
   const RelativeUncertainty uncertainty(graph);
   const TrackedShare share(keyframes);
+  const MapParts parts(graph);
   std::set<LoopPair> known;
   for (const Constraint& constraint : graph.constraints()) {
     if (constraint.from.kind != NodeId::Kind::kSubmap) continue;
@@ -162,7 +164,7 @@ std::vector<LoopCandidate> LoopCloser::FindAll(const PoseGraph& graph, const Pos
   }
   std::vector<std::vector<Pair>> near(submaps.size());
   ParallelFor(submaps.size(), num_threads, [&](size_t i) {
-    near[i] = PairsOf(submaps[i], keyframes, share, graph, uncertainty.From(submaps[i].id), known, options_);
+    near[i] = PairsOf(submaps[i], keyframes, share, graph, parts, uncertainty.From(submaps[i].id), known, options_);
   });
   KeepNearest(options_.max_submaps, &near);
 

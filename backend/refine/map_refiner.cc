@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 
+#include "backend/graph/map_parts.h"
 #include "core/config/validation.h"
 #include "core/parallel.h"
 
@@ -91,13 +92,14 @@ PoseGraph MapRefiner::Remeasure(const PoseGraph& graph, const std::vector<Keyfra
     const Constraint::Kind kind = IsOf(submap, keyframe.id) ? Constraint::Kind::kSubmap : Constraint::Kind::kLoop;
     return Constraint{submap.id, keyframe.id, match.pose, match.information, kind};
   };
+  const MapParts parts(graph);
   ConstraintsBySubmap foreign(submaps->size());
   ParallelFor(submaps->size(), num_threads, [&](size_t i) {
     Submap& submap = (*submaps)[i];
     submap.cells = submap.cells.Replaced(CellsOf(submap, graph, keyframes, std::nullopt));
     const MatchTarget target(*submap.cells.Get(), grid_options_.cell_size, max_distance_);
     for (const Keyframe& keyframe : keyframes) {
-      if (IsOf(submap, keyframe.id)) continue;
+      if (IsOf(submap, keyframe.id) || !parts.AreJoined(submap.id, keyframe.id)) continue;
       const Eigen::Vector2d& position = graph.Pose(keyframe.id).translation();
       const bool near = std::any_of(submap.keyframes.begin(), submap.keyframes.end(), [&](KeyframeId member) {
         return (graph.Pose(member).translation() - position).norm() <= options_.radius;
@@ -149,7 +151,7 @@ PoseGraph MapRefiner::Remeasure(const PoseGraph& graph, const std::vector<Keyfra
   PoseGraph refined;
   for (const auto& [id, pose] : graph.poses()) refined.AddNode(id, pose);
   for (const Constraint& constraint : graph.constraints()) {
-    if (constraint.kind == Constraint::Kind::kMotion) refined.AddConstraint(constraint);
+    if (!IsMatch(constraint)) refined.AddConstraint(constraint);
   }
   for (const auto* measured : {&foreign, &own}) {
     for (const auto& of_submap : *measured) {

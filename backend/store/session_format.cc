@@ -41,6 +41,8 @@ constexpr std::array<const char*, kSessionFormat - 1> kSteps = {
     "CREATE TABLE recordings (id INTEGER PRIMARY KEY, name TEXT NOT NULL);"
     "INSERT INTO recordings SELECT 0, value FROM session WHERE key = 'input';"
     "DELETE FROM session WHERE key = 'input';",
+    // Until here no constraint was a gap; the tables are the same.
+    "",
 };
 
 void SetFormat(Database* database, int format) { database->Execute("PRAGMA user_version = " + std::to_string(format)); }
@@ -100,12 +102,14 @@ std::string NameOf(Constraint::Kind kind) {
       return "motion";
     case Constraint::Kind::kLoop:
       return "loop";
+    case Constraint::Kind::kGap:
+      return "gap";
   }
   LOG(FATAL) << "a kind of constraint without a name";
 }
 
 std::optional<Constraint::Kind> ConstraintKindOf(const std::string& name) {
-  for (const auto kind : {Constraint::Kind::kSubmap, Constraint::Kind::kMotion, Constraint::Kind::kLoop}) {
+  for (const auto kind : {Constraint::Kind::kSubmap, Constraint::Kind::kMotion, Constraint::Kind::kLoop, Constraint::Kind::kGap}) {
     if (NameOf(kind) == name) return kind;
   }
   return std::nullopt;

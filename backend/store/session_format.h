@@ -17,7 +17,7 @@ namespace arborslam {
 //     scans        every scan that was read, in order: `ScanResult`, and `PosedScan` when it was not skipped
 //     keyframes    `PlanarScan`, and whether it became part of the maps
 //     poses        T_map_node of keyframes (kind 0) and submaps (kind 1)
-//     constraints  measurements, with where they come from ("submap", "motion", "loop")
+//     constraints  measurements, with where they come from (`NameOf`)
 //     submaps      `Submap`, finished ones
 //     tilts        of the posed scans of a finished session
 //     state        `Slam::SaveState` at the moment of the last transaction
@@ -27,7 +27,7 @@ namespace arborslam {
 // stage 1 only, and no state: nothing can be tracked behind its last scan.
 
 /// The version that this program writes.
-constexpr int kSessionFormat = 3;
+constexpr int kSessionFormat = 4;
 
 enum class SessionStage { kTracked = 0, kFinished = 1 };
 
@@ -46,7 +46,7 @@ int SessionFormatOf(Database* database);
 /// format. Throws `UserError`, and then the session is as it was.
 void MigrateSession(Database* database);
 
-/// "submap", "motion" or "loop".
+/// "submap", "motion", "loop" or "gap".
 std::string NameOf(Constraint::Kind kind);
 /// The inverse; nothing for another text.
 std::optional<Constraint::Kind> ConstraintKindOf(const std::string& name);

@@ -14,6 +14,7 @@ struct Constraint {
     kSubmap,  ///< A scan matched to a submap that was active when it came.
     kMotion,  ///< The motion model between successive keyframes.
     kLoop,    ///< A scan matched to a submap from another time; may be wrong.
+    kGap,     ///< Nothing was measured between two successive keyframes: tracking was lost. Hardly any information.
   };
   NodeId from;
   NodeId to;
@@ -26,6 +27,11 @@ struct Constraint {
     visit(from, to, T_from_to, information, kind);
   }
 };
+
+/// True for a constraint that a scan's match to a submap measured, or that anchors a submap at its first keyframe.
+inline bool IsMatch(const Constraint& constraint) {
+  return constraint.kind == Constraint::Kind::kSubmap || constraint.kind == Constraint::Kind::kLoop;
+}
 
 }  // namespace arborslam
 

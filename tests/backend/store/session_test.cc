@@ -447,10 +447,10 @@ TEST_F(SessionTest, AMergedSessionComesBackAndNoRunGoesOnWithIt) {
 TEST_F(SessionTest, RefusesNewerForeignAndMissingFiles) {
   Slam slam(SlamOptions(), 1);
   TrackUpTo(5, PlanarScans(), &slam);
-  Database(Path(), Database::Mode::kWrite).Execute("PRAGMA user_version = 4");
+  Database(Path(), Database::Mode::kWrite).Execute("PRAGMA user_version = 5");
   for (const auto& read : {std::function<void()>([this] { ReadSession(Path()); }),
                            std::function<void()>([this] { MigrateSessionFile(Path()); })}) {
-    EXPECT_NE(ErrorOf(read).find("is of session format 4, newer than 3"), std::string::npos) << ErrorOf(read);
+    EXPECT_NE(ErrorOf(read).find("is of session format 5, newer than 4"), std::string::npos) << ErrorOf(read);
   }
   Database(Path("other.db"), Database::Mode::kCreate).Execute("CREATE TABLE a (b)");
   EXPECT_NE(ErrorOf([this] { ReadSession(Path("other.db")); }).find("is an SQLite database but not a session"),
