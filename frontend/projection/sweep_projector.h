@@ -55,6 +55,10 @@ class SweepProjector {
   }
 
  private:
+  // Where many of the lowest returns are below any ground that the last one may have become (mirrored by puddles, of
+  // multipath): finds the ground by all returns instead, and the lowest returns and the fit without those below.
+  void FitAmongGhosts(PreparedSweep* prepared);
+
   SweepProjectionOptions options_;
   LowestReturns lowest_returns_;
   GroundModel ground_model_;

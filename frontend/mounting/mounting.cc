@@ -1,0 +1,151 @@
+#include "frontend/mounting/mounting.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdio>
+#include <utility>
+
+#include "core/geometry/angles.h"
+#include "frontend/projection/ground_search.h"
+
+namespace arborslam {
+namespace {
+
+constexpr float kMaxUsualTilt = static_cast<float>(DegToRad(20.0));  // Of a mounting.
+constexpr float kMinUsualHeight = 0.1f;                              // [m]
+constexpr float kMaxUsualHeight = 5.5f;                              // [m]
+constexpr float kMaxSweepTilt = static_cast<float>(DegToRad(30.0));  // Of a lidar that leans with its robot.
+constexpr float kUsualScoreShare = 0.6f;                             // Of the best plane's score.
+constexpr float kMaxDisagreement = static_cast<float>(DegToRad(20.0));
+constexpr float kSteep = static_cast<float>(DegToRad(20.0));  // Of the x axis, from the vertical.
+constexpr float kAssumedHeight = 1.0f;                        // [m], of a lidar over the ground.
+constexpr float kMinBeamHeight = 0.2f;                        // [m], of a lidar over the ground.
+constexpr float kMaxBeamHeight = 4.0f;                        // [m]
+constexpr float kBeamStep = 0.02f;                            // [m]
+constexpr float kMinConeRange = 2.0f;                         // [m], nearer returns are on cones about another axis.
+constexpr float kMaxConeRange = 20.0f;                        // [m]
+constexpr float kMaxElevation = 0.8f;                         // [rad]
+constexpr size_t kElevationBins = 800;
+constexpr size_t kMaxConeReturns = 20000;
+constexpr float kMinPeak = 1.5f;  // Over the median of all heights.
+
+// The ground that one sweep shows.
+GroundPlane GroundOf(const std::vector<Eigen::Vector3f>& points) {
+  const GroundSearchRegion anywhere;
+  const GroundPlane best = SearchGround(points, anywhere);
+  GroundSearchRegion usual;
+  usual.max_tilt = kMaxSweepTilt;
+  usual.min_height = kMinUsualHeight;
+  usual.max_height = kMaxUsualHeight;
+  const bool is_usual = best.normal.z() >= std::cos(kMaxSweepTilt) && best.height >= kMinUsualHeight;
+  if (is_usual && best.ok) return best;
+  const GroundPlane upright = SearchGround(points, usual);
+  return upright.ok && upright.score >= kUsualScoreShare * best.score ? upright : best;
+}
+
+float Median(std::vector<float> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+MountingEstimate EstimateMounting(const std::vector<LidarSweep>& sweeps) {
+  MountingEstimate mounting;
+  mounting.num_sweeps = sweeps.size();
+  std::vector<GroundPlane> planes;
+  for (const LidarSweep& sweep : sweeps) {
+    const GroundPlane plane = GroundOf(sweep.points);
+    if (plane.ok) planes.push_back(plane);
+  }
+  const auto agrees = [](const GroundPlane& a, const GroundPlane& b) {
+    return a.normal.dot(b.normal) >= std::cos(kMaxDisagreement);
+  };
+  const GroundPlane* centre = nullptr;
+  for (const GroundPlane& plane : planes) {
+    const auto num_agreeing = static_cast<size_t>(
+        std::count_if(planes.begin(), planes.end(), [&](const GroundPlane& other) { return agrees(plane, other); }));
+    if (num_agreeing <= mounting.num_agreeing) continue;
+    mounting.num_agreeing = num_agreeing;
+    centre = &plane;
+  }
+  mounting.ok = mounting.num_agreeing > 0 && 2 * mounting.num_agreeing >= sweeps.size();
+  if (!mounting.ok) return mounting;
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  std::vector<float> heights;
+  for (const GroundPlane& plane : planes) {
+    if (!agrees(*centre, plane)) continue;
+    sum += plane.normal;
+    heights.push_back(plane.height);
+  }
+  mounting.up = sum.normalized();
+  mounting.height = Median(std::move(heights));
+  return mounting;
+}
+
+bool IsUsualTilt(const Eigen::Vector3f& up) { return up.z() >= std::cos(kMaxUsualTilt); }
+
+bool IsUsualHeight(float height) { return height >= kMinUsualHeight && height <= kMaxUsualHeight; }
+
+bool KeepsHeadingOfX(const Eigen::Vector3f& up) { return std::abs(up.x()) <= std::cos(kSteep); }
+
+Eigen::Matrix3f UprightRotation(const Eigen::Vector3f& up) {
+  const Eigen::Vector3f y = KeepsHeadingOfX(up) ? up.cross(Eigen::Vector3f::UnitX()).normalized()
+                                                : (Eigen::Vector3f::UnitY() - up.y() * up).normalized();
+  Eigen::Matrix3f rotation;
+  rotation.row(0) = y.cross(up);
+  rotation.row(1) = y;
+  rotation.row(2) = up;
+  return rotation;
+}
+
+float BeamOriginHeight(const std::vector<LidarSweep>& sweeps, float origin_height) {
+  // On a cone, z - height is in proportion to the range in the plane.
+  std::vector<Eigen::Vector2f> returns;  // Range in the plane and z [m].
+  size_t num_points = 0;
+  for (const LidarSweep& sweep : sweeps) num_points += sweep.points.size();
+  const size_t stride = std::max<size_t>(1, num_points / kMaxConeReturns);
+  for (const LidarSweep& sweep : sweeps) {
+    for (size_t i = 0; i < sweep.points.size(); i += stride) {
+      const float range = sweep.points[i].head<2>().norm();
+      if (range >= kMinConeRange && range <= kMaxConeRange) returns.emplace_back(range, sweep.points[i].z());
+    }
+  }
+  std::vector<float> peaks;
+  const auto num_steps = static_cast<size_t>((kMaxBeamHeight - kMinBeamHeight) / kBeamStep) + 1;
+  const auto height_at = [&](size_t step) {
+    return kMinBeamHeight + kBeamStep * static_cast<float>(step) - origin_height;
+  };
+  for (size_t step = 0; step < num_steps; ++step) {
+    const float height = height_at(step);
+    std::array<float, kElevationBins> counts{};
+    for (const Eigen::Vector2f& p : returns) {
+      const float elevation = std::atan((p.y() - height) / p.x());
+      if (std::abs(elevation) >= kMaxElevation) continue;
+      counts[static_cast<size_t>((elevation + kMaxElevation) * (0.5f / kMaxElevation) * kElevationBins)] += 1.0f;
+    }
+    float peak = 0.0f;
+    for (const float count : counts) peak += count * count;
+    peaks.push_back(peak);
+  }
+  const auto highest = std::max_element(peaks.begin(), peaks.end());
+  if (!(*highest > kMinPeak * Median(peaks))) return kAssumedHeight - origin_height;
+  return height_at(static_cast<size_t>(highest - peaks.begin()));
+}
+
+std::string MountingText(const Eigen::Vector3f& up) {
+  const Eigen::Matrix3f rotation = UprightRotation(up);
+  const double pitch = std::asin(std::clamp(-static_cast<double>(rotation(2, 0)), -1.0, 1.0));
+  const double roll = std::atan2(static_cast<double>(rotation(2, 1)), static_cast<double>(rotation(2, 2)));
+  const double tilt = RadToDeg(std::acos(std::clamp(static_cast<double>(up.z()), -1.0, 1.0)));
+  const char* const kind = tilt > 150.0 ? "upside down" : tilt > 70.0 && tilt < 110.0 ? "on its side" : "tilted";
+  std::array<char, 96> text;
+  std::snprintf(text.data(), text.size(), "%s (roll %.0f deg, pitch %.0f deg)", kind, RadToDeg(roll), RadToDeg(pitch));
+  return text.data();
+}
+
+}  // namespace arborslam
