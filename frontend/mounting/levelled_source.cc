@@ -69,10 +69,11 @@ void LevelledSource::FindMounting(std::vector<LidarSweep> sweeps) {
   std::string text;
   if (!IsUsualTilt(mounting.up)) {
     is_levelling_ = true;
-    rotation_ = UprightRotation(mounting.up);
-    text = "The lidar is mounted " + MountingText(mounting.up) +
+    const Eigen::Vector3f up = SnappedToAxis(mounting.up);
+    rotation_ = UprightRotation(up);
+    text = "The lidar is mounted " + MountingText(up) +
            ", as the ground shows: sweeps are turned upright, x in the heading of the lidar's " +
-           (KeepsHeadingOfX(mounting.up) ? "x axis. " : "z axis (its x axis is vertical). ");
+           (KeepsHeadingOfX(up) ? "x axis. " : "z axis (its x axis is vertical). ");
   }
   if (!IsUsualHeight(mounting.height)) {
     is_levelling_ = true;

@@ -18,8 +18,12 @@ constexpr float kMaxUsualTilt = static_cast<float>(DegToRad(20.0));  // Of a mou
 constexpr float kMinUsualHeight = 0.1f;                              // [m]
 constexpr float kMaxUsualHeight = 5.5f;                              // [m]
 constexpr float kMaxSweepTilt = static_cast<float>(DegToRad(30.0));  // Of a lidar that leans with its robot.
-constexpr float kUsualScoreShare = 0.6f;                             // Of the best plane's score.
+constexpr float kMinOriginHeight = -1.0f;                            // [m], of the origin of a robot's frame.
+constexpr float kMinUnusualScore = 0.12f;  // Treetops seen from above, or a hedge, do not reach it.
+constexpr float kClearShare = 0.2f;        // Of returns on a plane that is no other's.
+constexpr float kUsualScoreShare = 0.6f;   // Of the best plane's score.
 constexpr float kMaxDisagreement = static_cast<float>(DegToRad(20.0));
+constexpr float kMaxSnap = static_cast<float>(DegToRad(10.0));
 constexpr float kSteep = static_cast<float>(DegToRad(20.0));  // Of the x axis, from the vertical.
 constexpr float kAssumedHeight = 1.0f;                        // [m], of a lidar over the ground.
 constexpr float kMinBeamHeight = 0.2f;                        // [m], of a lidar over the ground.
@@ -34,16 +38,21 @@ constexpr float kMinPeak = 1.5f;  // Over the median of all heights.
 
 // The ground that one sweep shows.
 GroundPlane GroundOf(const std::vector<Eigen::Vector3f>& points) {
-  const GroundSearchRegion anywhere;
-  const GroundPlane best = SearchGround(points, anywhere);
-  GroundSearchRegion usual;
-  usual.max_tilt = kMaxSweepTilt;
-  usual.min_height = kMinUsualHeight;
-  usual.max_height = kMaxUsualHeight;
-  const bool is_usual = best.normal.z() >= std::cos(kMaxSweepTilt) && best.height >= kMinUsualHeight;
-  if (is_usual && best.ok) return best;
-  const GroundPlane upright = SearchGround(points, usual);
-  return upright.ok && upright.score >= kUsualScoreShare * best.score ? upright : best;
+  const GroundPlane any = SearchGround(points, GroundSearchRegion());
+  const bool is_upright = any.normal.z() >= std::cos(kMaxSweepTilt) && any.height <= kMaxUsualHeight;
+  if (any.ok && is_upright && any.share >= kClearShare) return any;
+  GroundSearchRegion region;
+  region.max_tilt = kMaxSweepTilt;
+  region.min_height = kMinUsualHeight;
+  region.max_height = kMaxUsualHeight;
+  const GroundPlane upright = SearchGround(points, region);
+  // Points in the frame of the robot: that frame is upright.
+  region.min_height = kMinOriginHeight;
+  region.max_height = kMinUsualHeight;
+  const GroundPlane low = SearchGround(points, region);
+  const GroundPlane& best = low.ok && low.score > any.score ? low : any;
+  if (upright.ok && upright.score >= kUsualScoreShare * best.score) return upright;
+  return best.score >= kMinUnusualScore ? best : GroundPlane();
 }
 
 float Median(std::vector<float> values) {
@@ -90,6 +99,12 @@ MountingEstimate EstimateMounting(const std::vector<LidarSweep>& sweeps) {
 bool IsUsualTilt(const Eigen::Vector3f& up) { return up.z() >= std::cos(kMaxUsualTilt); }
 
 bool IsUsualHeight(float height) { return height >= kMinUsualHeight && height <= kMaxUsualHeight; }
+
+Eigen::Vector3f SnappedToAxis(const Eigen::Vector3f& up) {
+  Eigen::Index axis = 0;
+  if (up.cwiseAbs().maxCoeff(&axis) < std::cos(kMaxSnap)) return up;
+  return std::copysign(1.0f, up[axis]) * Eigen::Vector3f::Unit(axis);
+}
 
 bool KeepsHeadingOfX(const Eigen::Vector3f& up) { return std::abs(up.x()) <= std::cos(kSteep); }
 

@@ -31,6 +31,11 @@ bool IsUsualTilt(const Eigen::Vector3f& up);
 /// Likewise: the lidar is 0.1 to 5.5 m above the ground.
 bool IsUsualHeight(float height);
 
+/// The axis of the frame, in either direction, that `up` is within 10 deg of: a lidar that lies on its side or hangs
+/// upside down does so squarely, and the rest is the lean of the robot and the slope of the ground, which the
+/// estimation finds for every sweep. `up` where there is none.
+Eigen::Vector3f SnappedToAxis(const Eigen::Vector3f& up);
+
 /// R_upright_lidar: the rotation that takes `up` (unit vector, lidar frame) to the z axis. The x axis of the lidar
 /// keeps its heading, so that a lidar that leans, or hangs upside down, sees ahead what it saw ahead. Where x is within
 /// 20 deg of the vertical, the y axis stays on its side instead: ahead is then z or -z, where a lidar pitched to this

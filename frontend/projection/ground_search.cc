@@ -13,6 +13,7 @@
 namespace arborslam {
 namespace {
 
+constexpr float kPiF = 3.14159265f;
 constexpr size_t kMaxReturns = 12000;  // More are thinned evenly before they are sorted into voxels.
 constexpr float kVoxel = 0.25f;        // [m]
 constexpr float kFullVoxel = 3.0f;     // Returns, from which on a voxel has full weight: ghosts are mostly alone.
@@ -29,9 +30,12 @@ constexpr int kIterations = 8;
 constexpr float kFirstBand = 3.0f;  // Over kBand; the last one is 1.
 constexpr Eigen::Index kMinReturns = 30;
 constexpr float kMinArea = 1.0f;        // [m^2], of the triangle of a draw, times two.
-constexpr float kMinShare = 0.08f;      // Of returns on the plane.
-constexpr float kMaxBelowShare = 0.6f;  // Of returns below, over those on the plane.
-constexpr float kMinSpread = 0.8f;      // [m], standard deviation of the returns on it along their shorter axis.
+constexpr float kMinShare = 0.05f;      // Of returns on the plane.
+constexpr float kMaxBelowShare = 0.8f;  // Of returns below, over those on the plane.
+constexpr float kMinSpread = 0.15f;     // [m], standard deviation of the returns on it along their shorter axis.
+// A lidar that sees nothing but a plane through itself has one ring.
+constexpr float kRingShare = 0.985f;
+constexpr float kRingHeight = 0.1f;  // [m]
 
 // normal^T p + height = 0.
 struct Plane {
@@ -161,7 +165,7 @@ GroundPlane SearchGround(const std::vector<Eigen::Vector3f>& points, const Groun
   Random random(1);
   const Returns returns = Thinned(points, &random);
   if (returns.size() < kMinReturns) return ground;
-  const float min_up = std::cos(region.max_tilt);
+  const float min_up = region.max_tilt < kPiF ? std::cos(region.max_tilt) : -2.0f;
   const Eigen::Index few = std::min(kFewReturns, returns.size());
   Eigen::ArrayXf scratch;
   const auto draw = [&] {
@@ -201,7 +205,8 @@ GroundPlane SearchGround(const std::vector<Eigen::Vector3f>& points, const Groun
   ground.score = best.score / returns.total;
   ground.share = on_plane.sum() / returns.total;
   ground.share_below = (returns.weight * (distances < -1.0f).cast<float>()).sum() / returns.total;
-  ground.ok = ground.share >= kMinShare && ground.share_below <= kMaxBelowShare * ground.share &&
+  const bool is_ring = ground.share > kRingShare && std::abs(ground.height) < kRingHeight;
+  ground.ok = !is_ring && ground.share >= kMinShare && ground.share_below <= kMaxBelowShare * ground.share &&
               SpreadOf(returns, on_plane).variances.y() >= kMinSpread * kMinSpread;
   return ground;
 }

@@ -9,8 +9,8 @@ namespace arborslam {
 /// Where `SearchGround` searches.
 struct GroundSearchRegion {
   Eigen::Vector3f up = Eigen::Vector3f::UnitZ();  ///< Unit vector in the frame of the points.
-  float max_tilt = 3.15f;                         ///< [rad], between `up` and the plane's normal.
-  float min_height = -1.0f;                       ///< [m], of the frame's origin above the plane.
+  float max_tilt = 3.15f;                         ///< [rad], between `up` and the plane's normal; pi or more: any.
+  float min_height = 0.1f;                        ///< [m], of the frame's origin above the plane.
   float max_height = 6.0f;                        ///< [m]
 };
 
@@ -28,7 +28,8 @@ struct GroundPlane {
 /// sampling (Fischler and Bolles 1981), the same on every run and machine, and iteratively reweighted total least
 /// squares. Unlike `FitGround` it needs no idea of what is up, and since it goes by all returns instead of the lowest,
 /// it stands a tenth of returns below the ground (mirrored by puddles, or of multipath). It is slower and less exact.
-/// The plane is not `ok` when few returns lie on it, when these lie along a line, or when much lies below it.
+/// The plane is not `ok` when few returns lie on it, when these lie along a line, when much lies below it, or when it
+/// is that of a lidar with one ring.
 /// @param points [m], finite; those nearer than 0.5 m are the robot itself.
 GroundPlane SearchGround(const std::vector<Eigen::Vector3f>& points, const GroundSearchRegion& region);
 

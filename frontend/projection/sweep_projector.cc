@@ -17,7 +17,8 @@ namespace {
 constexpr float kCellSize = 0.5f;             // [m], of the lowest returns.
 constexpr float kUsualHeight = 0.6f;          // [m], of a lidar that never saw ground.
 constexpr float kUsualColumnWidth = 0.0052f;  // [rad], 0.3 deg.
-constexpr float kMaxFitRange = 12.0f;         // [m], within which ghosts are looked for.
+constexpr float kMaxFitRange = 18.0f;         // [m], within which returns are counted.
+constexpr float kClearlyMore = 1.2f;          // Returns on the ground, times those of another fit.
 constexpr float kDeep = 0.3f;                 // [m], plus kDeepGrowth of the range: as much below the ground as neither
 constexpr float kDeepGrowth = 0.08f;          // terrain nor a step of the robot accounts for.
 constexpr float kMaxDeepShare = 0.02f;        // Of the lowest returns.
@@ -27,7 +28,7 @@ constexpr float kGroundBand = 0.08f;  // [m], plus kGroundGrowth of the range.
 constexpr float kGroundGrowth = 0.015f;
 constexpr float kMaxTilt = 0.49f;   // [rad], of the ground seen from the lidar,
 constexpr float kMinHeight = 0.1f;  // [m], of the lidar above it,
-constexpr float kMaxHeight = 4.0f;  // [m], as FitGround has them.
+constexpr float kMaxHeight = 5.5f;  // [m], as FitGround has them.
 
 // The angle between columns [rad]: the median turn between successive points that are not of one column; the usual one
 // if that is nothing a lidar has.
@@ -89,8 +90,8 @@ bool HasGhosts(const std::vector<Eigen::Vector3f>& lowest, const GroundFit& grou
   return static_cast<float>(deep.within) > kMaxDeepShare * static_cast<float>(deep.all);
 }
 
-size_t NumOnGround(const std::vector<Eigen::Vector3f>& points, const GroundFit& ground) {
-  return CountWithin(points, ground, kGroundBand, kGroundGrowth, -1.0f, 1.0f).within;
+float NumOnGround(const std::vector<Eigen::Vector3f>& points, const GroundFit& ground) {
+  return static_cast<float>(CountWithin(points, ground, kGroundBand, kGroundGrowth, -1.0f, 1.0f).within);
 }
 
 }  // namespace
@@ -112,7 +113,7 @@ PreparedSweep SweepProjector::Prepare(const LidarSweep& sweep, const SweepMotion
 
   const std::vector<Eigen::Vector3f>& lowest = lowest_returns_.Find(prepared.points, last_ground_.normal);
   prepared.fit = FitGround(lowest, last_ground_);
-  FitAmongGhosts(&prepared);
+  CheckFit(&prepared);
   if (prepared.fit.ok) last_ground_ = prepared.fit;
   prepared.ground = last_ground_;
   if (!last_ground_.ok) prepared.ground.height = kUsualHeight;
@@ -129,25 +130,40 @@ PreparedSweep SweepProjector::Prepare(const LidarSweep& sweep, const SweepMotion
   return prepared;
 }
 
-void SweepProjector::FitAmongGhosts(PreparedSweep* prepared) {
-  const GroundFit expected = last_ground_.ok ? last_ground_ : ToFit(SearchUsualGround(prepared->points));
-  if (!expected.ok || !HasGhosts(lowest_returns_.returns(), expected)) return;
-  const GroundFit ground = last_ground_.ok ? ToFit(SearchUsualGround(prepared->points)) : expected;
-  if (!ground.ok) return;
+void SweepProjector::CheckFit(PreparedSweep* prepared) {
+  const std::vector<Eigen::Vector3f>& points = prepared->points;
+  GroundFit expected = last_ground_;
+  if (!last_ground_.ok || !prepared->fit.ok) {
+    const GroundFit searched = ToFit(SearchUsualGround(points));
+    if (!searched.ok) return;
+    if (!last_ground_.ok) expected = searched;
+    GroundFit fit = FitGround(lowest_returns_.returns(), searched);
+    if (!fit.ok) fit = searched;
+    if (!prepared->fit.ok || NumOnGround(points, fit) > kClearlyMore * NumOnGround(points, prepared->fit)) {
+      prepared->fit = fit;
+    }
+  }
+  if (HasGhosts(lowest_returns_.returns(), expected)) FitAmongGhosts(expected, prepared);
+}
+
+void SweepProjector::FitAmongGhosts(const GroundFit& expected, PreparedSweep* prepared) {
+  const std::vector<Eigen::Vector3f>& points = prepared->points;
+  GroundFit ground = last_ground_.ok ? ToFit(SearchUsualGround(points)) : expected;
+  if (!ground.ok) ground = expected;
   std::vector<Eigen::Vector3f> real;
-  real.reserve(prepared->points.size());
-  for (const Eigen::Vector3f& point : prepared->points) {
+  real.reserve(points.size());
+  for (const Eigen::Vector3f& point : points) {
     const float floor = -kFloor - kFloorGrowth * point.head<2>().norm();
     if (ground.normal.dot(point) + ground.height >= floor) real.push_back(point);
   }
-  const GroundFit fit = FitGround(lowest_returns_.Find(real, ground.normal), ground);
-  const bool is_better = fit.ok && (!prepared->fit.ok ||
-                                    NumOnGround(prepared->points, fit) >= NumOnGround(prepared->points, prepared->fit));
-  if (is_better) {
-    prepared->fit = fit;
-  } else {
-    lowest_returns_.Find(prepared->points, last_ground_.normal);
+  GroundFit fit = FitGround(lowest_returns_.Find(real, ground.normal), ground);
+  if (!fit.ok) fit = ground;
+  // The lowest returns without ghosts are the better ones even for the same plane.
+  if (prepared->fit.ok && kClearlyMore * NumOnGround(points, fit) < NumOnGround(points, prepared->fit)) {
+    lowest_returns_.Find(points, last_ground_.normal);
+    return;
   }
+  prepared->fit = fit;
 }
 
 PlanarScan SweepProjector::Project(const PreparedSweep& prepared, const Eigen::Matrix3f& R_base_lidar) {
