@@ -156,14 +156,10 @@ void SweepProjector::FitAmongGhosts(const GroundFit& expected, PreparedSweep* pr
     const float floor = -kFloor - kFloorGrowth * point.head<2>().norm();
     if (ground.normal.dot(point) + ground.height >= floor) real.push_back(point);
   }
-  GroundFit fit = FitGround(lowest_returns_.Find(real, ground.normal), ground);
-  if (!fit.ok) fit = ground;
-  // The lowest returns without ghosts are the better ones even for the same plane.
-  if (prepared->fit.ok && kClearlyMore * NumOnGround(points, fit) < NumOnGround(points, prepared->fit)) {
-    lowest_returns_.Find(points, last_ground_.normal);
-    return;
+  prepared->fit = FitGround(lowest_returns_.Find(real, ground.normal), ground);
+  if (!prepared->fit.ok || NumOnGround(points, ground) > kClearlyMore * NumOnGround(points, prepared->fit)) {
+    prepared->fit = ground;
   }
-  prepared->fit = fit;
 }
 
 PlanarScan SweepProjector::Project(const PreparedSweep& prepared, const Eigen::Matrix3f& R_base_lidar) {
