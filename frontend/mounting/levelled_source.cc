@@ -17,6 +17,7 @@ namespace {
 constexpr size_t kMaxAhead = 20;  // Scans.
 constexpr size_t kEvery = 2;      // Of them is examined.
 constexpr size_t kMinPoints = 100;
+constexpr float kAssumedHeight = 1.0f;  // [m], of a lidar over the ground.
 constexpr float kMaxContradiction = static_cast<float>(DegToRad(30.0));
 
 std::string MetresText(float value) {
@@ -71,19 +72,24 @@ void LevelledSource::FindMounting(std::vector<LidarSweep> sweeps) {
     is_levelling_ = true;
     const Eigen::Vector3f up = SnappedToAxis(mounting.up);
     rotation_ = UprightRotation(up);
+    spin_axis_ = rotation_ * Eigen::Vector3f::UnitZ();
     text = "The lidar is mounted " + MountingText(up) +
            ", as the ground shows: sweeps are turned upright, x in the heading of the lidar's " +
            (KeepsHeadingOfX(up) ? "x axis. " : "z axis (its x axis is vertical). ");
   }
-  if (!IsUsualHeight(mounting.height)) {
+  // Points that were turned upright already, by whoever recorded them, may have any origin.
+  std::optional<float> beam_height;
+  if (!is_levelling_) beam_height = BeamOriginHeight(sweeps, mounting.height);
+  const bool is_found = beam_height.has_value();
+  if (!is_found && !IsUsualHeight(mounting.height)) beam_height = kAssumedHeight - mounting.height;
+  if (beam_height) {
     is_levelling_ = true;
-    for (LidarSweep& sweep : sweeps) Level(&sweep);
-    const float beam_height = BeamOriginHeight(sweeps, mounting.height);
-    translation_.z() = -beam_height;
+    translation_.z() = -*beam_height;
     text += "The origin of the points is " + MetresText(std::abs(mounting.height)) +
-            (mounting.height < 0.0f ? " below" : " above") +
-            " the ground, as in a frame of the robot (base_link): sweeps are moved to a lidar " +
-            MetresText(mounting.height + beam_height) + " above the ground. ";
+            (mounting.height < 0.0f ? " below" : " above") + " the ground, " +
+            (is_found ? "and no beam comes from there, as" : "as") +
+            " in a frame of the robot (base_link): sweeps are moved to a lidar " + (is_found ? "found " : "assumed ") +
+            MetresText(mounting.height + *beam_height) + " above the ground. ";
   }
   if (!is_levelling_) return;
   notices_.push_back(text + "Poses are those of this upright frame; option input.T_base_lidar states it exactly.");
@@ -97,6 +103,7 @@ void LevelledSource::TakeMounting(const SweepFolderOptions& options, std::vector
   } else {
     rotation_ = T_base_lidar.linear().cast<float>();
   }
+  spin_axis_ = T_base_lidar.linear().col(2).cast<float>();
   is_levelling_ = true;
   if (sweeps.empty()) return;
   notices_.push_back(
@@ -128,6 +135,7 @@ std::optional<Scan> LevelledSource::Next() {
 
 void LevelledSource::Level(LidarSweep* sweep) const {
   for (Eigen::Vector3f& point : sweep->points) point = rotation_ * point + translation_;
+  sweep->spin_axis = spin_axis_;
 }
 
 std::unique_ptr<ScanSource> OpenLevelledSource(const std::string& path, const SweepFolderOptions& options) {

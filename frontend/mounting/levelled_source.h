@@ -46,6 +46,7 @@ class LevelledSource : public ScanSource {
   // p_upright = R p + t.
   Eigen::Matrix3f rotation_ = Eigen::Matrix3f::Identity();
   Eigen::Vector3f translation_ = Eigen::Vector3f::Zero();
+  Eigen::Vector3f spin_axis_ = Eigen::Vector3f::UnitZ();  // As of `LidarSweep`.
   std::deque<Scan> ahead_;
   std::exception_ptr error_;  // After the scans of ahead_.
 };

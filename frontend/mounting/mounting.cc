@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/geometry/angles.h"
+#include "frontend/projection/fast_atan2.h"
 #include "frontend/projection/ground_search.h"
 
 namespace arborslam {
@@ -19,28 +20,27 @@ constexpr float kMinUsualHeight = 0.1f;                              // [m]
 constexpr float kMaxUsualHeight = 5.5f;                              // [m]
 constexpr float kMaxSweepTilt = static_cast<float>(DegToRad(30.0));  // Of a lidar that leans with its robot.
 constexpr float kMinOriginHeight = -1.0f;                            // [m], of the origin of a robot's frame.
-constexpr float kMinUnusualScore = 0.12f;  // Treetops seen from above, or a hedge, do not reach it.
-constexpr float kClearShare = 0.2f;        // Of returns on a plane that is no other's.
-constexpr float kUsualScoreShare = 0.6f;   // Of the best plane's score.
+constexpr float kMinUnusualScore = 0.12f;      // Treetops seen from above, or a hedge, do not reach it.
+constexpr float kMaxUnusualBelowShare = 0.5f;  // Of returns below, over those on the plane.
+constexpr float kClearShare = 0.2f;            // Of returns on a plane that is no other's.
+constexpr float kUsualScoreShare = 0.6f;       // Of the best plane's score.
 constexpr float kMaxDisagreement = static_cast<float>(DegToRad(20.0));
 constexpr float kMaxSnap = static_cast<float>(DegToRad(10.0));
 constexpr float kSteep = static_cast<float>(DegToRad(20.0));  // Of the x axis, from the vertical.
-constexpr float kAssumedHeight = 1.0f;                        // [m], of a lidar over the ground.
 constexpr float kMinBeamHeight = 0.2f;                        // [m], of a lidar over the ground.
-constexpr float kMaxBeamHeight = 4.0f;                        // [m]
 constexpr float kBeamStep = 0.02f;                            // [m]
 constexpr float kMinConeRange = 2.0f;                         // [m], nearer returns are on cones about another axis.
 constexpr float kMaxConeRange = 20.0f;                        // [m]
 constexpr float kMaxElevation = 0.8f;                         // [rad]
 constexpr size_t kElevationBins = 800;
 constexpr size_t kMaxConeReturns = 20000;
-constexpr float kMinPeak = 1.5f;  // Over the median of all heights.
+constexpr float kMinPeak = 3.0f;  // Over that at the origin, and over the median of all heights.
 
 // The ground that one sweep shows.
 GroundPlane GroundOf(const std::vector<Eigen::Vector3f>& points) {
   const GroundPlane any = SearchGround(points, GroundSearchRegion());
   const bool is_upright = any.normal.z() >= std::cos(kMaxSweepTilt) && any.height <= kMaxUsualHeight;
-  if (any.ok && is_upright && any.share >= kClearShare) return any;
+  if (any.ok && is_upright && any.share >= kClearShare && IsUsualTilt(any.normal)) return any;
   GroundSearchRegion region;
   region.max_tilt = kMaxSweepTilt;
   region.min_height = kMinUsualHeight;
@@ -51,8 +51,10 @@ GroundPlane GroundOf(const std::vector<Eigen::Vector3f>& points) {
   region.max_height = kMinUsualHeight;
   const GroundPlane low = SearchGround(points, region);
   const GroundPlane& best = low.ok && low.score > any.score ? low : any;
-  if (upright.ok && upright.score >= kUsualScoreShare * best.score) return upright;
-  return best.score >= kMinUnusualScore ? best : GroundPlane();
+  const GroundPlane& ground = upright.ok && upright.score >= kUsualScoreShare * best.score ? upright : best;
+  const bool is_usual = IsUsualTilt(ground.normal) && IsUsualHeight(ground.height);
+  const bool is_clear = ground.score >= kMinUnusualScore && ground.share_below <= kMaxUnusualBelowShare * ground.share;
+  return is_usual || is_clear ? ground : GroundPlane();
 }
 
 float Median(std::vector<float> values) {
@@ -118,8 +120,7 @@ Eigen::Matrix3f UprightRotation(const Eigen::Vector3f& up) {
   return rotation;
 }
 
-float BeamOriginHeight(const std::vector<LidarSweep>& sweeps, float origin_height) {
-  // On a cone, z - height is in proportion to the range in the plane.
+std::optional<float> BeamOriginHeight(const std::vector<LidarSweep>& sweeps, float origin_height) {
   std::vector<Eigen::Vector2f> returns;  // Range in the plane and z [m].
   size_t num_points = 0;
   for (const LidarSweep& sweep : sweeps) num_points += sweep.points.size();
@@ -130,26 +131,29 @@ float BeamOriginHeight(const std::vector<LidarSweep>& sweeps, float origin_heigh
       if (range >= kMinConeRange && range <= kMaxConeRange) returns.emplace_back(range, sweep.points[i].z());
     }
   }
-  std::vector<float> peaks;
-  const auto num_steps = static_cast<size_t>((kMaxBeamHeight - kMinBeamHeight) / kBeamStep) + 1;
-  const auto height_at = [&](size_t step) {
-    return kMinBeamHeight + kBeamStep * static_cast<float>(step) - origin_height;
-  };
-  for (size_t step = 0; step < num_steps; ++step) {
-    const float height = height_at(step);
+  // The sum of the squared numbers of returns at each elevation, seen from `height`.
+  const auto peak_at = [&returns](float height) {
     std::array<float, kElevationBins> counts{};
     for (const Eigen::Vector2f& p : returns) {
-      const float elevation = std::atan((p.y() - height) / p.x());
+      const float elevation = FastAtan2(p.y() - height, p.x());
       if (std::abs(elevation) >= kMaxElevation) continue;
       counts[static_cast<size_t>((elevation + kMaxElevation) * (0.5f / kMaxElevation) * kElevationBins)] += 1.0f;
     }
-    float peak = 0.0f;
-    for (const float count : counts) peak += count * count;
-    peaks.push_back(peak);
+    float sum = 0.0f;
+    for (const float count : counts) sum += count * count;
+    return sum;
+  };
+  std::vector<float> peaks;
+  float best = 0.0f;
+  float best_peak = 0.0f;
+  for (float height = kMinBeamHeight; height <= kMaxUsualHeight; height += kBeamStep) {
+    peaks.push_back(peak_at(height - origin_height));
+    if (peaks.back() <= best_peak) continue;
+    best_peak = peaks.back();
+    best = height - origin_height;
   }
-  const auto highest = std::max_element(peaks.begin(), peaks.end());
-  if (!(*highest > kMinPeak * Median(peaks))) return kAssumedHeight - origin_height;
-  return height_at(static_cast<size_t>(highest - peaks.begin()));
+  if (!(best_peak > kMinPeak * Median(peaks) && best_peak > kMinPeak * peak_at(0.0f))) return std::nullopt;
+  return best;
 }
 
 std::string MountingText(const Eigen::Vector3f& up) {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,11 +46,11 @@ Eigen::Matrix3f UprightRotation(const Eigen::Vector3f& up);
 /// True where `UprightRotation` keeps the heading of the x axis.
 bool KeepsHeadingOfX(const Eigen::Vector3f& up);
 
-/// The height [m] over the origin of the frame of `sweeps`, which is level and on or in the ground, from which beams
-/// come: that at which the returns lie on the fewest cones about the vertical, as those of a level spinning lidar do.
-/// Where they do at none, the height of a lidar 1 m above the ground.
+/// The height [m], over the origin of the upright frame of `sweeps`, from which the beams come: that at which the
+/// returns lie on the fewest cones about the vertical, as those of an upright spinning lidar do. Nothing where they do
+/// so no less at the origin, or nowhere.
 /// @param origin_height [m], of the frame's origin above the ground.
-float BeamOriginHeight(const std::vector<LidarSweep>& sweeps, float origin_height);
+std::optional<float> BeamOriginHeight(const std::vector<LidarSweep>& sweeps, float origin_height);
 
 /// "upside down (roll 178 deg, pitch 2 deg)", "on its side (...)" or "tilted (...)": how a lidar with this `up` is
 /// mounted. Angles are those of R_upright_lidar = Ry(pitch) Rx(roll).

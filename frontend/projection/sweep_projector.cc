@@ -108,7 +108,7 @@ PreparedSweep SweepProjector::Prepare(const LidarSweep& sweep, const SweepMotion
   prepared.stamp = sweep.Middle();
   PointPhases(sweep, &prepared.phases);
   Deskew(sweep, prepared.phases, motion, &prepared.points);
-  if (column_width_ == 0.0f && !sweep.points.empty()) column_width_ = ColumnWidth(sweep.points);
+  if (column_width_ == 0.0f && !sweep.points.empty()) column_width_ = ColumnWidth(PointsAboutSpinAxis(sweep));
   prepared.column_width = column_width_ > 0.0f ? column_width_ : kUsualColumnWidth;
 
   const std::vector<Eigen::Vector3f>& lowest = lowest_returns_.Find(prepared.points, last_ground_.normal);
