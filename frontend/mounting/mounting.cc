@@ -22,8 +22,10 @@ constexpr float kMaxSweepTilt = static_cast<float>(DegToRad(30.0));  // Of a lid
 constexpr float kMinOriginHeight = -1.0f;                            // [m], of the origin of a robot's frame.
 constexpr float kMinUnusualScore = 0.12f;      // Treetops seen from above, or a hedge, do not reach it.
 constexpr float kMaxUnusualBelowShare = 0.5f;  // Of returns below, over those on the plane.
-constexpr float kClearShare = 0.2f;            // Of returns on a plane that is no other's.
-constexpr float kUsualScoreShare = 0.6f;       // Of the best plane's score.
+constexpr float kOtherDirection = static_cast<float>(DegToRad(40.0));
+constexpr float kMaxOtherScore = 0.7f;    // Of a plane in another direction, over that of the ground.
+constexpr float kClearShare = 0.2f;       // Of returns on a plane that is no other's.
+constexpr float kUsualScoreShare = 0.6f;  // Of the best plane's score.
 constexpr float kMaxDisagreement = static_cast<float>(DegToRad(20.0));
 constexpr float kMaxSnap = static_cast<float>(DegToRad(10.0));
 constexpr float kSteep = static_cast<float>(DegToRad(20.0));  // Of the x axis, from the vertical.
@@ -162,8 +164,10 @@ std::string MountingText(const Eigen::Vector3f& up) {
   const double roll = std::atan2(static_cast<double>(rotation(2, 1)), static_cast<double>(rotation(2, 2)));
   const double tilt = RadToDeg(std::acos(std::clamp(static_cast<double>(up.z()), -1.0, 1.0)));
   const char* const kind = tilt > 150.0 ? "upside down" : tilt > 70.0 && tilt < 110.0 ? "on its side" : "tilted";
+  const long roll_deg = std::lround(RadToDeg(roll));
   std::array<char, 96> text;
-  std::snprintf(text.data(), text.size(), "%s (roll %.0f deg, pitch %.0f deg)", kind, RadToDeg(roll), RadToDeg(pitch));
+  std::snprintf(text.data(), text.size(), "%s (roll %ld deg, pitch %ld deg)", kind, roll_deg == -180 ? 180 : roll_deg,
+                std::lround(RadToDeg(pitch)));
   return text.data();
 }
 

@@ -13,7 +13,6 @@
 namespace arborslam {
 namespace {
 
-constexpr float kPiF = 3.14159265f;
 constexpr size_t kMaxReturns = 12000;  // More are thinned evenly before they are sorted into voxels.
 constexpr float kVoxel = 0.25f;        // [m]
 constexpr float kFullVoxel = 3.0f;     // Returns, from which on a voxel has full weight: ghosts are mostly alone.
@@ -116,9 +115,10 @@ float Score(const Plane& plane, const Returns& r, Eigen::Index count, Eigen::Arr
       .sum();
 }
 
-bool IsIn(const Plane& plane, const GroundSearchRegion& region, float min_up) {
-  return plane.height >= region.min_height && plane.height <= region.max_height &&
-         plane.normal.dot(region.up) >= min_up;
+bool IsIn(const Plane& plane, const GroundSearchRegion& region) {
+  const float tilt = std::acos(std::clamp(plane.normal.dot(region.up), -1.0f, 1.0f));
+  return plane.height >= region.min_height && plane.height <= region.max_height && tilt >= region.min_tilt &&
+         tilt <= region.max_tilt;
 }
 
 struct Spread {
@@ -165,7 +165,6 @@ GroundPlane SearchGround(const std::vector<Eigen::Vector3f>& points, const Groun
   Random random(1);
   const Returns returns = Thinned(points, &random);
   if (returns.size() < kMinReturns) return ground;
-  const float min_up = region.max_tilt < kPiF ? std::cos(region.max_tilt) : -2.0f;
   const Eigen::Index few = std::min(kFewReturns, returns.size());
   Eigen::ArrayXf scratch;
   const auto draw = [&] {
@@ -181,7 +180,7 @@ GroundPlane SearchGround(const std::vector<Eigen::Vector3f>& points, const Groun
     for (const float sign : {1.0f, -1.0f}) {
       Plane plane{n * (sign / area), 0.0f};
       plane.height = -plane.normal.dot(a);
-      if (!IsIn(plane, region, min_up)) continue;
+      if (!IsIn(plane, region)) continue;
       plane.score = Score(plane, returns, few, &scratch);
       if (plane.score > 0.0f) planes.push_back(plane);
     }
@@ -192,7 +191,7 @@ GroundPlane SearchGround(const std::vector<Eigen::Vector3f>& points, const Groun
   Plane best{Eigen::Vector3f::UnitZ(), 0.0f};
   for (const Plane& drawn : planes) {
     Plane plane = Refined(drawn, returns);
-    if (!IsIn(plane, region, min_up)) continue;
+    if (!IsIn(plane, region)) continue;
     plane.score = Score(plane, returns, returns.size(), &scratch);
     if (plane.score > best.score) best = plane;
   }

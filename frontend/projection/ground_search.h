@@ -9,7 +9,8 @@ namespace arborslam {
 /// Where `SearchGround` searches.
 struct GroundSearchRegion {
   Eigen::Vector3f up = Eigen::Vector3f::UnitZ();  ///< Unit vector in the frame of the points.
-  float max_tilt = 3.15f;                         ///< [rad], between `up` and the plane's normal; pi or more: any.
+  float min_tilt = 0.0f;                          ///< [rad], between `up` and the plane's normal.
+  float max_tilt = 3.15f;                         ///< [rad], likewise; pi or more: any.
   float min_height = 0.1f;                        ///< [m], of the frame's origin above the plane.
   float max_height = 6.0f;                        ///< [m]
 };
