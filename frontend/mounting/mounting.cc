@@ -54,9 +54,16 @@ GroundPlane GroundOf(const std::vector<Eigen::Vector3f>& points) {
   const GroundPlane low = SearchGround(points, region);
   const GroundPlane& best = low.ok && low.score > any.score ? low : any;
   const GroundPlane& ground = upright.ok && upright.score >= kUsualScoreShare * best.score ? upright : best;
-  const bool is_usual = IsUsualTilt(ground.normal) && IsUsualHeight(ground.height);
+  if (IsUsualTilt(ground.normal) && IsUsualHeight(ground.height)) return ground;
   const bool is_clear = ground.score >= kMinUnusualScore && ground.share_below <= kMaxUnusualBelowShare * ground.share;
-  return is_usual || is_clear ? ground : GroundPlane();
+  // Of several walls none is the ground.
+  GroundSearchRegion elsewhere;
+  elsewhere.up = ground.normal;
+  elsewhere.min_tilt = kOtherDirection;
+  const bool is_alone =
+      is_clear && (IsUsualTilt(ground.normal) || SearchGround(points, elsewhere).score < kMaxOtherScore * ground.score);
+  if (is_alone) return ground;
+  return upright.ok && IsUsualTilt(upright.normal) ? upright : GroundPlane();
 }
 
 float Median(std::vector<float> values) {
@@ -154,7 +161,9 @@ std::optional<float> BeamOriginHeight(const std::vector<LidarSweep>& sweeps, flo
     best_peak = peaks.back();
     best = height - origin_height;
   }
-  if (!(best_peak > kMinPeak * Median(peaks) && best_peak > kMinPeak * peak_at(0.0f))) return std::nullopt;
+  if (!(best_peak > kMinPeak * Median(peaks))) return std::nullopt;
+  // Seen from an origin on the ground, the ground is a cone, too.
+  if (origin_height >= kMinUsualHeight && !(best_peak > kMinPeak * peak_at(0.0f))) return std::nullopt;
   return best;
 }
 

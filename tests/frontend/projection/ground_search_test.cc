@@ -64,11 +64,11 @@ TEST(GroundSearchTest, KeepsToItsRegion) {
   GroundSearchRegion region;
   region.max_tilt = 0.5f;
   const GroundPlane upright = SearchGround(sweep.points, region);
-  if (upright.score > 0.0f) EXPECT_GE(upright.normal.z(), std::cos(0.5f) - 1e-5f);
+  EXPECT_TRUE(upright.score == 0.0f || upright.normal.z() >= std::cos(0.5f) - 1e-5f);
   region.max_tilt = 3.2f;
   region.min_height = 1.0f;
   const GroundPlane lower = SearchGround(sweep.points, region);
-  if (lower.score > 0.0f) EXPECT_GE(lower.height, 1.0f);
+  EXPECT_TRUE(lower.score == 0.0f || lower.height >= 1.0f);
   region = GroundSearchRegion();
   region.up = (pose.linear().transpose() * Eigen::Vector3d::UnitZ()).cast<float>();
   region.min_tilt = 0.7f;
