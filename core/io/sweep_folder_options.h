@@ -13,7 +13,7 @@ struct SweepFolderOptions {
   std::string stamp = "start";
   double sweep_duration = 0.0;  ///< [s], how long a sweep lasts; 0: found out, see `SweepFolder`.
   /// How the lidar is mounted: "x y z roll pitch yaw" [m, deg] (`ParsePose`); empty: found from the sweeps.
-  std::string T_base_lidar;
+  std::string T_base_lidar = {};
   /// The frame of the points: "lidar", or "base" where they were moved there by `T_base_lidar`.
   std::string frame = "lidar";
 
