@@ -31,6 +31,7 @@ constexpr float kMaxSnap = static_cast<float>(DegToRad(10.0));
 constexpr float kSteep = static_cast<float>(DegToRad(20.0));  // Of the x axis, from the vertical.
 constexpr float kMinBeamHeight = 0.2f;                        // [m], of a lidar over the ground.
 constexpr float kBeamStep = 0.02f;                            // [m]
+constexpr int kFineSteps = 10;                                // Of a step.
 constexpr float kMinConeRange = 2.0f;                         // [m], nearer returns are on cones about another axis.
 constexpr float kMaxConeRange = 20.0f;                        // [m]
 constexpr float kMaxElevation = 0.8f;                         // [rad]
@@ -164,6 +165,14 @@ std::optional<float> BeamOriginHeight(const std::vector<LidarSweep>& sweeps, flo
   if (!(best_peak > kMinPeak * Median(peaks))) return std::nullopt;
   // Seen from an origin on the ground, the ground is a cone, too.
   if (origin_height >= kMinUsualHeight && !(best_peak > kMinPeak * peak_at(0.0f))) return std::nullopt;
+  const float coarse = best;
+  for (int i = -kFineSteps; i <= kFineSteps; ++i) {
+    const float height = coarse + kBeamStep / kFineSteps * static_cast<float>(i);
+    const float peak = peak_at(height);
+    if (peak <= best_peak) continue;
+    best_peak = peak;
+    best = height;
+  }
   return best;
 }
 
