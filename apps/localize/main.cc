@@ -29,6 +29,7 @@
 #include "core/io/atomic_file.h"
 #include "core/io/scan_source.h"
 #include "core/io/trajectory_io.h"
+#include "frontend/mounting/levelled_source.h"
 
 DEFINE_string(session, "", "session file that holds the map");
 DEFINE_string(input, "", "recording to localise");
@@ -220,7 +221,7 @@ int Run(const MultiFlags& multi_flags) {
   }
   std::optional<Trajectory3> reference;
   if (!FLAGS_ground_truth.empty()) reference = ReadTrajectory(FLAGS_ground_truth);
-  const std::unique_ptr<ScanSource> source = OpenScanSource(FLAGS_input, options.input);
+  const std::unique_ptr<ScanSource> source = OpenLevelledSource(FLAGS_input, options.input);
   const std::filesystem::path folder = PrepareOutputFolder(FLAGS_output, {"trajectory.tum", "summary.json"},
                                                            {FLAGS_session, FLAGS_input, FLAGS_ground_truth});
   if (!FLAGS_quiet) {

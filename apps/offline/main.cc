@@ -46,6 +46,7 @@
 #include "core/io/text_reader.h"
 #include "core/io/trajectory_io.h"
 #include "core/stopwatch.h"
+#include "frontend/mounting/levelled_source.h"
 
 DEFINE_string(input, "", "recording to process");
 DEFINE_string(output, "", "folder for the results");
@@ -344,7 +345,7 @@ void RefineMaps(const OfflineOptions& options, RunRecord* record, RunResults* re
   try {
     ProgressBar progress(std::cerr, record->scans.size(), StderrIsTerminal() && !FLAGS_quiet);
     const bool is_whole = g_signal == 0 && VisitMatchedSweeps(
-                                               OpenScanSource(FLAGS_input, options.input).get(), record->scans,
+                                               OpenLevelledSource(FLAGS_input, options.input).get(), record->scans,
                                                record->finish.sweep_duration, results->trajectory,
                                                [&](const PosedSweep& sweep) {
                                                  if (cloud) cloud->Add(sweep);
@@ -443,11 +444,11 @@ int Run(const MultiFlags& multi_flags) {
 
   std::optional<Trajectory3> reference;
   if (!FLAGS_ground_truth.empty()) reference = ReadTrajectory(FLAGS_ground_truth);
-  const std::unique_ptr<ScanSource> source = OpenScanSource(FLAGS_input, options.input);
+  const std::unique_ptr<ScanSource> source = OpenLevelledSource(FLAGS_input, options.input);
   const std::shared_ptr<ValueStore> store = MakeStore(options.memory);
   KnownSession known;
   if (!FLAGS_session.empty()) {
-    known = ReadKnownSession(FLAGS_session, FLAGS_input, OpenScanSource(FLAGS_input, options.input)->Next(), store);
+    known = ReadKnownSession(FLAGS_session, FLAGS_input, OpenLevelledSource(FLAGS_input, options.input)->Next(), store);
   }
   const bool is_new = known.map.has_value();
   if (is_new && FLAGS_odometry_only) {

@@ -34,6 +34,9 @@ bool IsName(const std::string& name) {
   });
 }
 
+// Also with the capital T of a transform, T_a_b.
+bool IsKey(const std::string& key) { return IsName(key.rfind("T_", 0) == 0 ? key.substr(1) : key); }
+
 // `text` without control characters, cut off where it gets too long for a message.
 std::string OneLine(const std::string& text) {
   std::string line = text.substr(0, kMaxQuoted);
@@ -134,7 +137,7 @@ void ConfigSchema::AddSection(Section section) {
   CHECK(FindSection(section.name) == nullptr) << "section " << section.name << " is bound twice";
   std::vector<std::string> keys;
   for (Field& field : section.fields) {
-    CHECK(IsName(field.key)) << "key '" << field.key << "' of section " << section.name;
+    CHECK(IsKey(field.key)) << "key '" << field.key << "' of section " << section.name;
     CHECK(std::find(keys.begin(), keys.end(), field.key) == keys.end())
         << "key " << field.key << " of section " << section.name << " is bound twice";
     keys.push_back(field.key);

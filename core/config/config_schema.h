@@ -26,7 +26,8 @@ namespace arborslam {
 class ConfigSchema {
  public:
   /// Binds section `name` to `*options`, which is borrowed and must outlive the schema. The values held at this moment
-  /// are the defaults. Section names must be unique and consist of lower-case letters, digits and underscores.
+  /// are the defaults. Section names must be unique and consist of lower-case letters, digits and underscores; keys
+  /// likewise, but for the T of a transform T_a_b.
   template <class Options>
   void AddSection(const std::string& name, Options* options) {
     Section section;

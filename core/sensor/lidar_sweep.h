@@ -8,7 +8,7 @@
 namespace arborslam {
 
 /// One revolution of a 3D lidar, raw: every point in the frame that the sensor had when it measured the point (`lidar`:
-/// x ahead, y left, z up).
+/// x ahead, y left, z up, the origin where the beams come from).
 struct LidarSweep {
   double start = 0.0;     ///< [s], when the sweep began. A pose that belongs to the sweep is stamped at its middle.
   double duration = 0.0;  ///< [s], how long it took: at least 0 and any of `times`.
@@ -19,7 +19,9 @@ struct LidarSweep {
   double stamp_phase = 0.0;
   std::vector<Eigen::Vector3f> points;  ///< [m], finite, none at the origin, in the order of the file.
   std::vector<float> times;             ///< [s] since `start`, one per point; empty when the recording has no times.
-  size_t num_dropped = 0;               ///< Points of the record that were infinite, not a number, or at the origin.
+  /// Unit vector, lidar frame, about which the beams turn: not z where the frame is upright and the lidar tilted.
+  Eigen::Vector3f spin_axis = Eigen::Vector3f::UnitZ();
+  size_t num_dropped = 0;  ///< Points of the record that were infinite, not a number, or at the origin.
 
   /// [s]
   double Middle() const { return start + 0.5 * duration; }

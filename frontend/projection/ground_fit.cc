@@ -12,11 +12,13 @@
 namespace arborslam {
 namespace {
 
-constexpr float kMaxRange = 12.0f;  // [m], farther ground is not this plane.
-constexpr float kNearRange = 4.0f;  // [m], within which the ground has about full weight.
-constexpr float kMinHeight = 0.1f;  // [m], of the lidar.
-constexpr float kMaxHeight = 4.0f;  // [m], of the lidar.
-constexpr float kMinUp = 0.88f;     // z of the normal, about 28 deg of tilt.
+constexpr float kMaxRange = 12.0f;         // [m], farther ground is not this plane;
+constexpr float kMaxRangeHigh = 18.0f;     // [m], that of a lidar high above it,
+constexpr float kRangePerHeight = 5.0f;    // times its height.
+constexpr float kNearShare = 1.0f / 3.0f;  // Of that range, within which the ground has about full weight.
+constexpr float kMinHeight = 0.1f;         // [m], of the lidar.
+constexpr float kMaxHeight = 5.5f;         // [m], of the lidar.
+constexpr float kMinUp = 0.88f;            // z of the normal, about 28 deg of tilt.
 constexpr int kDrawsWithPrior = 24;
 constexpr int kDrawsWithout = 300;
 constexpr float kScoreBand = 0.08f;    // [m], near range.
@@ -94,8 +96,9 @@ GroundFit FitGround(const std::vector<Eigen::Vector3f>& lowest_returns, const Gr
   Candidates candidates;
   for (Eigen::ArrayXf* array : {&candidates.x, &candidates.y, &candidates.z}) array->resize(capacity);
   Eigen::Index size = 0;
+  const float max_range = prior.ok ? std::clamp(kRangePerHeight * prior.height, kMaxRange, kMaxRangeHigh) : kMaxRange;
   for (const Eigen::Vector3f& point : lowest_returns) {
-    if (point.head<2>().squaredNorm() > kMaxRange * kMaxRange) continue;
+    if (point.head<2>().squaredNorm() > max_range * max_range) continue;
     candidates.x[size] = point.x();
     candidates.y[size] = point.y();
     candidates.z[size] = point.z();
@@ -104,7 +107,8 @@ GroundFit FitGround(const std::vector<Eigen::Vector3f>& lowest_returns, const Gr
   if (size < kMinInliers) return fit;
   for (Eigen::ArrayXf* array : {&candidates.x, &candidates.y, &candidates.z}) array->conservativeResize(size);
   const Eigen::ArrayXf range_squared = candidates.x.square() + candidates.y.square();
-  candidates.weight = (1.0f + range_squared / (kNearRange * kNearRange)).square().inverse();
+  const float near_range = kNearShare * max_range;
+  candidates.weight = (1.0f + range_squared / (near_range * near_range)).square().inverse();
   candidates.inverse_band = (1.0f + kBandGrowth / kScoreBand * range_squared.sqrt()).inverse();
 
   Plane best = Plane::Zero();

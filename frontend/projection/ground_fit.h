@@ -28,9 +28,10 @@ struct GroundFit {
 /// leaves) lose weight sooner than those below, and near ground weighs more than far ground, where the terrain is
 /// another. A prior that has become wrong is outvoted by a drawn plane: it only saves most of the draws.
 ///
-/// `prior.ok` false: the height is unknown and many planes are drawn. The fit is not `ok` when the plane has too few
-/// inliers, when these are a small part of the lowest returns near the lidar or lie along a line, or when much lies
-/// below it.
+/// `prior.ok` false: the height is unknown and many planes are drawn. Returns count within 12 m, up to 18 m when
+/// the prior has the lidar higher than 2.4 m, whose lowest beams meet the ground far off. The fit is not `ok` when the
+/// plane has too few inliers, when these are a small part of the lowest returns near the lidar or lie along a line, or
+/// when much lies below it.
 GroundFit FitGround(const std::vector<Eigen::Vector3f>& lowest_returns, const GroundFit& prior);
 
 }  // namespace arborslam

@@ -55,6 +55,13 @@ class SweepProjector {
   }
 
  private:
+  // Replaces the fit where all returns show another ground than the lowest ones do: when no ground is known yet, and
+  // where many of the lowest returns are ghosts.
+  void CheckFit(PreparedSweep* prepared);
+  // Finds the ground by all returns where many of the lowest are below any that `expected` may have become (mirrored by
+  // puddles, of multipath), and the lowest returns and the fit without those below it.
+  void FitAmongGhosts(const GroundFit& expected, PreparedSweep* prepared);
+
   SweepProjectionOptions options_;
   LowestReturns lowest_returns_;
   GroundModel ground_model_;

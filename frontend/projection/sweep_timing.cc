@@ -1,5 +1,6 @@
 #include "frontend/projection/sweep_timing.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -72,6 +73,13 @@ ARBORSLAM_CPU_CLONES void PointPhases(const LidarSweep& sweep, std::vector<float
     return;
   }
   if (points.size() < kMinPoints) return;
+  if (sweep.spin_axis != Eigen::Vector3f::UnitZ()) {
+    LidarSweep upright = sweep;
+    upright.points = PointsAboutSpinAxis(sweep);
+    upright.spin_axis = Eigen::Vector3f::UnitZ();
+    PointPhases(upright, phases);
+    return;
+  }
 
   const size_t block = (points.size() + kColumnBlocks - 1) / kColumnBlocks;
   const std::vector<float> columns = BlockAzimuths(points, block);
@@ -129,6 +137,15 @@ ARBORSLAM_CPU_CLONES void PointPhases(const LidarSweep& sweep, std::vector<float
     const float turned = sense * (kInverseTurn * phase - seam);
     phase = turned - std::floor(turned);
   }
+}
+
+std::vector<Eigen::Vector3f> PointsAboutSpinAxis(const LidarSweep& sweep) {
+  std::vector<Eigen::Vector3f> points = sweep.points;
+  if (sweep.spin_axis == Eigen::Vector3f::UnitZ()) return points;
+  const Eigen::Matrix3f rotation =
+      Eigen::Quaternionf::FromTwoVectors(sweep.spin_axis, Eigen::Vector3f::UnitZ()).toRotationMatrix();
+  for (Eigen::Vector3f& point : points) point = rotation * point;
+  return points;
 }
 
 std::vector<float> PointPhases(const LidarSweep& sweep) {

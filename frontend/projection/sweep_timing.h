@@ -14,13 +14,17 @@ namespace arborslam {
 ///   unless there is more;
 /// - ring after ring, each a circle (or an arc) the same way round: from the azimuth turned since the one at which most
 ///   rings begin.
-/// Azimuth counts as time to within the sensor's azimuth offsets between beams (some degrees in some sensors, that is,
-/// some hundredths of the sweep). Empty when there is nothing to go by: no duration, a few points only, or an order
-/// that follows no turn. Such a sweep cannot be deskewed.
+/// Azimuth is that about the sweep's `spin_axis`. It counts as time to within the sensor's azimuth offsets between
+/// beams (some degrees in some sensors, that is, some hundredths of the sweep). Empty when there is nothing to go by:
+/// no duration, a few points only, or an order that follows no turn. Such a sweep cannot be deskewed.
 std::vector<float> PointPhases(const LidarSweep& sweep);
 
 /// The same into `phases`, whose memory is used again.
 void PointPhases(const LidarSweep& sweep, std::vector<float>* phases);
+
+/// The points of a sweep in the frame whose z axis is its `spin_axis`, in which the returns of a column have one
+/// azimuth.
+std::vector<Eigen::Vector3f> PointsAboutSpinAxis(const LidarSweep& sweep);
 
 }  // namespace arborslam
 

@@ -400,6 +400,23 @@ TEST(SweepFolderOptions, AreChecked) {
   EXPECT_THAT((SweepFolderOptions{"start", -0.1}.Validate()), HasSubstr("sweep_duration is -0.1"));
   EXPECT_THAT((SweepFolderOptions{"start", 11.0}.Validate()), HasSubstr("sweep_duration is 11"));
   EXPECT_THAT((SweepFolderOptions{"start", std::nan("")}.Validate()), HasSubstr("sweep_duration"));
+  const std::string pose = "0.1 0 0.5 180 0 -90";
+  EXPECT_EQ((SweepFolderOptions{"start", 0.0, pose, "lidar"}.Validate()), "");
+  EXPECT_EQ((SweepFolderOptions{"start", 0.0, pose, "base"}.Validate()), "");
+  EXPECT_THAT((SweepFolderOptions{"start", 0.0, "1 2 3", "lidar"}.Validate()), HasSubstr("T_base_lidar is"));
+  EXPECT_THAT((SweepFolderOptions{"start", 0.0, "", "base"}.Validate()), HasSubstr("frame is 'base'"));
+  EXPECT_THAT((SweepFolderOptions{"start", 0.0, pose, "map"}.Validate()), HasSubstr("frame is 'map'"));
+}
+
+TEST(ParsePose, ReadsSixNumbers) {
+  const auto pose = ParsePose(" 1, -2 3e0,180 0 90 ");
+  ASSERT_TRUE(pose.has_value());
+  EXPECT_EQ(pose->translation(), Eigen::Vector3d(1.0, -2.0, 3.0));
+  // About x first, then about z.
+  EXPECT_LT((pose->linear() * Eigen::Vector3d(1.0, 2.0, 3.0) - Eigen::Vector3d(2.0, 1.0, -3.0)).norm(), 1e-12);
+  for (const char* text : {"", "1 2 3 4 5", "1 2 3 4 5 6 7", "1 2 3 4 5 x", "1 2 3 4 5 nan", "1 2 3 4 5 6m"}) {
+    EXPECT_FALSE(ParsePose(text).has_value()) << text;
+  }
 }
 
 TEST(RecordedKitti, HasTenSweepsOfAStreet) {

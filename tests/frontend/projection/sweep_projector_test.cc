@@ -73,6 +73,63 @@ TEST(SweepProjectorTest, LeavesTrunksOfAnOrchardUnderImpulses) {
   }
 }
 
+TEST(SweepProjectorTest, GhostsBelowTheGroundDoNotHideIt) {
+  Random random(21);
+  const TinyWorld world = Orchard();
+  for (const double share : {0.01, 0.03, 0.1}) {
+    for (const bool mirrored : {true, false}) {
+      SweepProjector projector((SweepProjectionOptions()));
+      for (int i = 0; i < 3; ++i) {
+        const Eigen::Isometry3d pose = LidarAt(0.7, random.Uniform(-4.0, 4.0), random.Uniform(-4.0, 4.0));
+        LidarSweep sweep = SeeTinyWorld(world, pose, 0.02, &random);
+        for (Eigen::Vector3f& point : sweep.points) {
+          if (random.Uniform() > share) continue;
+          Eigen::Vector3d p = pose * point.cast<double>();
+          p.z() = mirrored ? -p.z() : -3.0 * random.Uniform();
+          point = (pose.inverse() * p).cast<float>();
+        }
+        const PreparedSweep prepared = projector.Prepare(sweep, SweepMotion());
+        ASSERT_TRUE(prepared.fit.ok) << share << mirrored << i;
+        EXPECT_LT(TiltError(pose, prepared.fit.normal), 1.0) << share << mirrored << i;
+        EXPECT_NEAR(prepared.lidar_height, 0.7, 0.12) << share << mirrored << i;
+      }
+    }
+  }
+}
+
+TEST(SweepProjectorTest, FindsTheGroundFarBelow) {
+  Random random(22);
+  TinyWorld world;
+  for (int i = 0; i < 20; ++i) {
+    world.cylinders.push_back({{random.Uniform(-15.0, 15.0), random.Uniform(-15.0, 15.0)}, 0.1, 2.5});
+  }
+  for (const double height : {3.0, 4.0}) {
+    SweepProjector projector((SweepProjectionOptions()));
+    for (int i = 0; i < 2; ++i) {
+      const Eigen::Isometry3d pose = LidarAt(height, random.Uniform(-2.0, 2.0), random.Uniform(-2.0, 2.0));
+      const PreparedSweep prepared = projector.Prepare(SeeTinyWorld(world, pose, 0.02, &random), SweepMotion());
+      ASSERT_TRUE(prepared.fit.ok) << height;
+      EXPECT_LT(TiltError(pose, prepared.fit.normal), 0.5) << height;
+      EXPECT_NEAR(prepared.fit.height, height, 0.1);
+    }
+  }
+}
+
+TEST(SweepProjectorTest, FindsColumnsAboutTheSpinAxis) {
+  Random random(23);
+  const Eigen::Isometry3d pose = LidarAt(0.8, 40.0, 0.0);
+  LidarSweep sweep = SeeTinyWorld(Orchard(), pose, 0.02, &random);
+  for (Eigen::Vector3f& point : sweep.points) point = pose.linear().cast<float>() * point;
+  sweep.spin_axis = pose.linear().col(2).cast<float>();
+  SweepProjector projector((SweepProjectionOptions()));
+  const PreparedSweep prepared = projector.Prepare(sweep, SweepMotion());
+  EXPECT_TRUE(prepared.fit.ok);
+  EXPECT_NEAR(prepared.column_width, DegToRad(0.4), 1e-4);
+  ASSERT_EQ(prepared.phases.size(), sweep.points.size());
+  EXPECT_LT(prepared.phases.front(), 0.02f);
+  EXPECT_GT(prepared.phases.back(), 0.98f);
+}
+
 TEST(SweepProjectorTest, TakesTheCallersAttitude) {
   Random random(2);
   const TinyWorld world = Orchard();
