@@ -15,12 +15,15 @@ MapParts::MapParts(const PoseGraph& graph) {
     while (parent[i] != i) i = parent[i] = parent[parent[i]];
     return i;
   };
+  bool has_gaps = false;
   for (const Constraint& constraint : graph.constraints()) {
+    has_gaps |= constraint.kind == Constraint::Kind::kGap;
     if (constraint.kind == Constraint::Kind::kGap) continue;
     const size_t a = root_of(index.at(constraint.from));
     const size_t b = root_of(index.at(constraint.to));
     parent[std::max(a, b)] = std::min(a, b);
   }
+  if (!has_gaps) std::fill(parent.begin(), parent.end(), size_t{0});
   std::map<size_t, size_t> number;  // Of the part with a root.
   std::vector<size_t> num_keyframes;
   for (const auto& [id, i] : index) {

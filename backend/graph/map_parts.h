@@ -11,7 +11,7 @@
 namespace arborslam {
 
 /// The parts of a map whose poses relative to each other are unknown: the connected components of the graph without its
-/// gaps. A run that was tracked throughout has one part. Immutable: may be asked from several threads.
+/// gaps. A graph without gaps has one part. Immutable: may be asked from several threads.
 class MapParts {
  public:
   explicit MapParts(const PoseGraph& graph);

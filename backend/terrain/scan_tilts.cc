@@ -76,11 +76,12 @@ void SmoothTilts(const TerrainOptions& options, const PoseGraph& graph, std::vec
                         (views.back().T_map_base.translation() - pose.translation()).norm() >= options.keyframe_spacing;
     if (is_far && !scan.ground.Get()->empty()) views.push_back({pose, scan.ground, scan.local_tilt, scan.tilt});
   }
-  const TerrainMap terrain = SmoothTerrain(options, &views);
+  const SmoothedTerrain smoothed = SmoothTerrain(options, &views);
   for (PosedScan& scan : *scans) {
     const std::shared_ptr<const std::vector<GroundSample>> ground = scan.ground.Get();
     if (ground->empty()) continue;
-    scan.tilt = FitToTerrain(*ground, terrain, PoseOf(scan, graph), scan.tilt).tilt;
+    const std::vector<GroundSample> samples = WithoutBias(smoothed.bias, scan.tilt, *ground);
+    scan.tilt = FitToTerrain(samples, smoothed.terrain, PoseOf(scan, graph), scan.tilt).tilt;
   }
   std::vector<UprightView> upright;
   for (const PosedScan& scan : *scans) {

@@ -24,27 +24,46 @@ constexpr double kNodeSlope = 0.3;
 // [m], of the first view's height, which fixes the level of the map.
 constexpr double kAnchorSigma = 1e-3;
 
-// A place as a mixture of the four nodes around it.
+// Nodes of the range bias, the first unknowns, and the standard deviations [m] of the first and of the step from one
+// to the next.
+constexpr int kNumBiasNodes = 6;
+constexpr double kBiasSigma = 1e-3;
+constexpr double kBiasStep = 0.05;
+// [rad], of a sample about the lidar, since it rocks during the sweep.
+constexpr double kRocking = 0.01;
+
+// A sample's height as a mixture of unknowns: the four terrain nodes around it and the two bias nodes by its range.
+constexpr size_t kMixed = 6;
 struct Mixture {
-  std::array<int, 4> nodes;
-  std::array<double, 4> shares;
+  std::array<int, kMixed> nodes;
+  std::array<double, kMixed> shares;
 };
+
+// The two bias nodes around `range` [m], and the second's share.
+std::pair<int, double> BiasNode(double range) {
+  const double place = std::min(range / RangeBias::kSpacing, static_cast<double>(kNumBiasNodes - 1));
+  const int node = std::min(static_cast<int>(place), kNumBiasNodes - 2);
+  return {node, place - static_cast<double>(node)};
+}
 
 class NodeGrid {
  public:
   explicit NodeGrid(double spacing) : spacing_(spacing) {}
 
-  Mixture At(const Eigen::Vector2d& position) {
+  // Of a sample at `position` [m] that was seen from `range` [m].
+  Mixture At(const Eigen::Vector2d& position, double range) {
     const Eigen::Vector2d cell = position / spacing_;
     const auto x = static_cast<int64_t>(std::floor(cell.x()));
     const auto y = static_cast<int64_t>(std::floor(cell.y()));
     const double u = cell.x() - static_cast<double>(x);
     const double v = cell.y() - static_cast<double>(y);
-    return {{Node(x, y), Node(x + 1, y), Node(x, y + 1), Node(x + 1, y + 1)},
-            {(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v}};
+    const auto [bias, share] = BiasNode(range);
+    return {{Node(x, y), Node(x + 1, y), Node(x, y + 1), Node(x + 1, y + 1), bias, bias + 1},
+            {(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v, 1.0 - share, share}};
   }
 
-  int size() const { return static_cast<int>(numbers_.size()); }
+  // Unknowns, with those of the bias.
+  int size() const { return kNumBiasNodes + static_cast<int>(numbers_.size()); }
 
   // Pairs of nodes beside each other.
   std::vector<std::pair<int, int>> Neighbors() const {
@@ -122,7 +141,9 @@ Eigen::VectorXd InitialHeights(const std::vector<TerrainView>& views, const std:
       }
     }
   }
-  return sums.cwiseQuotient(shares);
+  Eigen::VectorXd heights = sums.cwiseQuotient(shares);
+  heights.head<kNumBiasNodes>().setZero();
+  return heights;
 }
 
 ViewSystem Linearize(const TerrainView& view, const std::vector<Mixture>& mixtures, const Eigen::VectorXd& heights,
@@ -147,22 +168,23 @@ ViewSystem Linearize(const TerrainView& view, const std::vector<Mixture>& mixtur
   for (size_t i = 0; i < samples->size(); ++i) {
     const Eigen::Vector3d point = rotation * (*samples)[i].position.cast<double>();
     const Mixture& mixture = mixtures[i];
-    std::array<Eigen::Index, 4> local{};
+    std::array<Eigen::Index, kMixed> local{};
     double ground = 0.0;
-    for (size_t k = 0; k < 4; ++k) {
+    for (size_t k = 0; k < kMixed; ++k) {
       local[k] = std::lower_bound(system.nodes.begin(), system.nodes.end(), mixture.nodes[k]) - system.nodes.begin();
       ground += mixture.shares[k] * heights[mixture.nodes[k]];
     }
     const double residual = view.tilt.z + point.z() - ground;
     const double ratio = residual / kRobustScale;
-    const double weight = 1.0 / (kRoughness * kRoughness * (1.0 + ratio * ratio));
+    const double rocking = kRocking * kRocking * point.head<2>().squaredNorm();
+    const double weight = 1.0 / ((kRoughness * kRoughness + rocking) * (1.0 + ratio * ratio));
     const Eigen::Vector3d jacobian(point.y(), -point.x(), 1.0);
     system.information += weight * jacobian * jacobian.transpose();
     system.vector -= weight * residual * jacobian;
-    for (size_t k = 0; k < 4; ++k) {
+    for (size_t k = 0; k < kMixed; ++k) {
       system.coupling.col(local[k]) -= weight * mixture.shares[k] * jacobian;
       system.node_vector[local[k]] += weight * residual * mixture.shares[k];
-      for (size_t l = 0; l < 4; ++l) {
+      for (size_t l = 0; l < kMixed; ++l) {
         system.node_information(local[k], local[l]) += weight * mixture.shares[k] * mixture.shares[l];
       }
     }
@@ -182,9 +204,28 @@ std::string TerrainOptions::Validate() const {
   return "";
 }
 
-TerrainMap SmoothTerrain(const TerrainOptions& options, std::vector<TerrainView>* views) {
-  TerrainMap terrain(options.cell_size);
-  if (views->empty()) return terrain;
+double RangeBias::At(double range) const {
+  if (heights.empty()) return 0.0;
+  const auto [node, share] = BiasNode(range);
+  const auto first = static_cast<size_t>(node);
+  return (1.0 - share) * heights[first] + share * heights[first + 1];
+}
+
+std::vector<GroundSample> WithoutBias(const RangeBias& bias, const Tilt3& tilt,
+                                      const std::vector<GroundSample>& samples) {
+  const Eigen::Matrix3d rotation = tilt.Rotation();
+  const Eigen::Vector3f up = rotation.row(2).cast<float>();
+  std::vector<GroundSample> lowered = samples;
+  for (GroundSample& sample : lowered) {
+    const double range = (rotation * sample.position.cast<double>()).head<2>().norm();
+    sample.position -= static_cast<float>(bias.At(range)) * up;
+  }
+  return lowered;
+}
+
+SmoothedTerrain SmoothTerrain(const TerrainOptions& options, std::vector<TerrainView>* views) {
+  SmoothedTerrain smoothed{TerrainMap(options.cell_size), {}};
+  if (views->empty()) return smoothed;
   NodeGrid grid(options.node_spacing);
   std::vector<std::vector<Mixture>> mixtures(views->size());
   for (size_t i = 0; i < views->size(); ++i) {
@@ -192,10 +233,11 @@ TerrainMap SmoothTerrain(const TerrainOptions& options, std::vector<TerrainView>
     const std::shared_ptr<const std::vector<GroundSample>> samples = view.samples.Get();
     for (const GroundSample& sample : *samples) {
       const Eigen::Vector3d point = view.tilt.Rotation() * sample.position.cast<double>();
-      mixtures[i].push_back(grid.At(view.T_map_base * Eigen::Vector2d(point.head<2>())));
+      const Eigen::Vector2d place = point.head<2>();
+      mixtures[i].push_back(grid.At(view.T_map_base * place, place.norm()));
     }
   }
-  if (grid.size() == 0) return terrain;
+  if (grid.size() == kNumBiasNodes) return smoothed;
   const std::vector<std::pair<int, int>> neighbors = grid.Neighbors();
   const double node_step = kNodeSlope * options.node_spacing;
   const double smoothness = 1.0 / (node_step * node_step);
@@ -239,6 +281,18 @@ TerrainMap SmoothTerrain(const TerrainOptions& options, std::vector<TerrainView>
       information.Add(b, b, smoothness);
       information.Add(std::max(a, b), std::min(a, b), -smoothness);
     }
+    const double first_bias = 1.0 / (kBiasSigma * kBiasSigma);
+    vector[0] -= first_bias * heights[0];
+    information.Add(0, 0, first_bias);
+    constexpr double kSteadiness = 1.0 / (kBiasStep * kBiasStep);
+    for (int node = 1; node < kNumBiasNodes; ++node) {
+      const double difference = heights[node] - heights[node - 1];
+      vector[node] -= kSteadiness * difference;
+      vector[node - 1] += kSteadiness * difference;
+      information.Add(node, node, kSteadiness);
+      information.Add(node - 1, node - 1, kSteadiness);
+      information.Add(node, node - 1, -kSteadiness);
+    }
     for (int node = 0; node < grid.size(); ++node) information.Add(node, node, 1e-6);
     const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> solver(information.Get());
     const Eigen::VectorXd step = solver.solve(vector);
@@ -258,14 +312,15 @@ TerrainMap SmoothTerrain(const TerrainOptions& options, std::vector<TerrainView>
       tilt.z += view_step.z();
     }
   }
+  smoothed.bias.heights.assign(heights.data(), heights.data() + kNumBiasNodes);
   for (const TerrainView& view : *views) {
     const Eigen::Isometry3d T_map_lidar = Lift(view.T_map_base, view.tilt);
     const std::shared_ptr<const std::vector<GroundSample>> samples = view.samples.Get();
-    for (const GroundSample& sample : *samples) {
-      terrain.Insert(T_map_lidar * sample.position.cast<double>(), sample.weight);
+    for (const GroundSample& sample : WithoutBias(smoothed.bias, view.tilt, *samples)) {
+      smoothed.terrain.Insert(T_map_lidar * sample.position.cast<double>(), sample.weight);
     }
   }
-  return terrain;
+  return smoothed;
 }
 
 }  // namespace arborslam

@@ -39,14 +39,38 @@ struct TerrainView {
   Tilt3 tilt;                                 ///< Over the map: the present estimate.
 };
 
+/// By how much ground samples lie too high on the average, by their range: piecewise linear, constant beyond the last.
+struct RangeBias {
+  std::vector<double> heights;  ///< [m], at multiples of `kSpacing`; empty: none.
+
+  static constexpr double kSpacing = 2.0;  ///< [m]
+
+  /// [m], at `range` [m] in the plane.
+  double At(double range) const;
+};
+
+/// `samples` [m, lidar frame] of a lidar with this tilt, lowered by their bias.
+std::vector<GroundSample> WithoutBias(const RangeBias& bias, const Tilt3& tilt,
+                                      const std::vector<GroundSample>& samples);
+
+struct SmoothedTerrain {
+  TerrainMap terrain;  ///< That all views make together, without the bias.
+  RangeBias bias;
+};
+
 /// Height and tilt of all sweeps and the height of the ground, in one sparse linear least-squares problem: a sweep's
 /// ground lies on the terrain (heights of nodes on a grid, bilinear between), neighbouring nodes differ little, and the
 /// ground under the robot is level on the average. So roll, pitch and z are consistent wherever the robot comes again,
 /// and drift in height is spread over the whole run. The sweeps are eliminated, the nodes solved for by sparse
 /// Cholesky. Planar poses stay as they are.
 ///
-/// Sets `tilt` of every view and returns the terrain that they make together.
-TerrainMap SmoothTerrain(const TerrainOptions& options, std::vector<TerrainView>* views);
+/// Grass and grazing beams make ground look higher the farther off it is, so that every sweep sees a bowl; laid on one
+/// another, bowls make a map that bows. `RangeBias` is estimated together with the heights. Its part that grows with
+/// the square of the range cannot be told from a bow of the whole map by the samples; the bow with the least slopes
+/// under the robot is taken.
+///
+/// Sets `tilt` of every view.
+SmoothedTerrain SmoothTerrain(const TerrainOptions& options, std::vector<TerrainView>* views);
 
 }  // namespace arborslam
 

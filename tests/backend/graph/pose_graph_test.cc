@@ -74,8 +74,9 @@ TEST(PoseGraph, DropsTheLoopsThatAreCalledWrongAndNothingElse) {
   add(1, 3, Kind::kLoop);
   add(1, 2, Kind::kSubmap);
   add(0, 3, Kind::kLoop);
-  const std::vector<Constraint> dropped =
-      graph.Remove([](const Constraint& loop) { return loop.from == NodeId(KeyframeId{0}); });
+  const std::vector<Constraint> dropped = graph.Remove([](const Constraint& constraint) {
+    return constraint.kind == Kind::kLoop && constraint.from == NodeId(KeyframeId{0});
+  });
   ASSERT_EQ(dropped.size(), 2u);
   EXPECT_EQ(dropped[0].to, NodeId(KeyframeId{2}));
   EXPECT_EQ(dropped[1].to, NodeId(KeyframeId{3}));

@@ -94,7 +94,7 @@ TEST(SmoothTerrain, SpreadsTheDriftAndLevelsTheMap) {
 TEST(SmoothTerrain, ReturnsTheGround) {
   Walk walk = RandomWalk(0.0);
   for (size_t i = 0; i < walk.views.size(); ++i) walk.views[i].local_tilt = walk.truth[i];
-  const TerrainMap terrain = SmoothTerrain(TerrainOptions{}, &walk.views);
+  const TerrainMap terrain = SmoothTerrain(TerrainOptions{}, &walk.views).terrain;
   for (size_t i = 0; i < walk.views.size(); i += 5) {
     const Eigen::Vector2d place = walk.views[i].T_map_base * Eigen::Vector2d(3.0, 0.0);
     const auto surface = terrain.At(place);
@@ -103,12 +103,61 @@ TEST(SmoothTerrain, ReturnsTheGround) {
   }
 }
 
+// Grass on level ground, seen from a straight row: the farther off, the higher it looks.
+TEST(SmoothTerrain, DoesNotBowWhereFarGroundLooksHigher) {
+  for (const double bowl : {3e-4, 6e-4, -3e-4}) {
+    Random random(3);
+    std::vector<TerrainView> views;
+    for (int i = 0; i < 60; ++i) {
+      TerrainView view;
+      view.T_map_base = SE2(i, 0.0, 0.0);
+      std::vector<GroundSample> samples;
+      for (int k = 0; k < 80; ++k) {
+        const double range = random.Uniform(1.5, 9.5);
+        const double bearing = random.Uniform(-kPi, kPi);
+        const Eigen::Vector3d point(range * std::cos(bearing), range * std::sin(bearing),
+                                    bowl * range * range - 0.5 + 0.02 * random.Gaussian());
+        samples.push_back({point.cast<float>(), 3.0f});
+      }
+      view.samples = std::move(samples);
+      view.tilt.z = view.local_tilt.z = 0.5;
+      views.push_back(view);
+    }
+    const SmoothedTerrain smoothed = SmoothTerrain(TerrainOptions{}, &views);
+    double lowest = views.front().tilt.z;
+    double highest = lowest;
+    for (const TerrainView& view : views) {
+      lowest = std::min(lowest, view.tilt.z);
+      highest = std::max(highest, view.tilt.z);
+      EXPECT_NEAR(view.tilt.pitch, 0.0, DegToRad(0.4));
+      EXPECT_NEAR(view.tilt.roll, 0.0, DegToRad(0.4));
+    }
+    // A map that follows the bowls is a parabola, 0.27 m deep for the first of them.
+    EXPECT_LT(highest - lowest, 0.06) << bowl;
+    EXPECT_NEAR(smoothed.bias.At(9.0) - smoothed.bias.At(3.0), bowl * 72.0, 0.012);
+  }
+}
+
+TEST(RangeBias, LowersSamplesAlongTheVertical) {
+  const RangeBias bias{{0.0, 0.01, 0.03, 0.03, 0.05, 0.09}};
+  EXPECT_NEAR(bias.At(3.0), 0.02, 1e-12);
+  EXPECT_NEAR(bias.At(30.0), 0.09, 1e-12);
+  EXPECT_EQ(RangeBias{}.At(3.0), 0.0);
+  const Tilt3 tilt{0.3, -0.2, 0.5};
+  const Eigen::Vector3d point(3.0, 0.0, -0.5);
+  const std::vector<GroundSample> seen = {{(tilt.Rotation().transpose() * point).cast<float>(), 4.0f}};
+  const std::vector<GroundSample> lowered = WithoutBias(bias, tilt, seen);
+  ASSERT_EQ(lowered.size(), 1u);
+  EXPECT_TRUE((tilt.Rotation() * lowered[0].position.cast<double>()).isApprox(Eigen::Vector3d(3.0, 0.0, -0.52), 1e-5));
+  EXPECT_EQ(lowered[0].weight, 4.0f);
+}
+
 TEST(SmoothTerrain, TakesNoViewsAndViewsWithoutGround) {
   std::vector<TerrainView> views;
-  EXPECT_EQ(SmoothTerrain(TerrainOptions{}, &views).num_cells(), 0u);
+  EXPECT_EQ(SmoothTerrain(TerrainOptions{}, &views).terrain.num_cells(), 0u);
   views.resize(3);
   views[1].tilt = views[1].local_tilt = {0.1, 0.2, 0.7};
-  EXPECT_EQ(SmoothTerrain(TerrainOptions{}, &views).num_cells(), 0u);
+  EXPECT_EQ(SmoothTerrain(TerrainOptions{}, &views).terrain.num_cells(), 0u);
   EXPECT_NEAR(views[1].tilt.roll, 0.1, 1e-9);
   EXPECT_NEAR(views[1].tilt.pitch, 0.2, 1e-9);
   EXPECT_NEAR(views[1].tilt.z, 0.7, 1e-9);
