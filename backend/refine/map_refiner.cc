@@ -10,6 +10,7 @@
 
 #include "backend/graph/map_parts.h"
 #include "core/config/validation.h"
+#include "core/map/leave_one_out_map.h"
 #include "core/parallel.h"
 
 namespace arborslam {
@@ -69,15 +70,25 @@ MapRefiner::MapRefiner(const MapRefinementOptions& options, const OccupancyGridO
       matcher_(matcher) {}
 
 std::vector<OccupiedCell> MapRefiner::CellsOf(const Submap& submap, const PoseGraph& graph,
-                                              const std::vector<Keyframe>& keyframes,
-                                              std::optional<KeyframeId> left_out) const {
+                                              const std::vector<Keyframe>& keyframes) const {
   const SE2 T_submap_map = graph.Pose(submap.id).Inverse();
   OccupancyGrid grid(grid_options_);
   for (const KeyframeId id : submap.keyframes) {
-    if (id == left_out) continue;
     grid.Insert(T_submap_map * graph.Pose(id), *keyframes[static_cast<size_t>(id.value)].scan.Get());
   }
   return grid.OccupiedCells(min_log_odds_);
+}
+
+LeaveOneOutMap MapRefiner::LeaveOneOutMapOf(const Submap& submap, const PoseGraph& graph,
+                                            const std::vector<Keyframe>& keyframes) const {
+  const SE2 T_submap_map = graph.Pose(submap.id).Inverse();
+  std::vector<SE2> poses;
+  std::vector<std::shared_ptr<const PlanarScan>> scans;
+  for (const KeyframeId id : submap.keyframes) {
+    poses.push_back(T_submap_map * graph.Pose(id));
+    scans.push_back(keyframes[static_cast<size_t>(id.value)].scan.Get());
+  }
+  return {grid_options_, poses, scans};
 }
 
 PoseGraph MapRefiner::Remeasure(const PoseGraph& graph, const std::vector<Keyframe>& keyframes,
@@ -96,7 +107,7 @@ PoseGraph MapRefiner::Remeasure(const PoseGraph& graph, const std::vector<Keyfra
   ConstraintsBySubmap foreign(submaps->size());
   ParallelFor(submaps->size(), num_threads, [&](size_t i) {
     Submap& submap = (*submaps)[i];
-    submap.cells = submap.cells.Replaced(CellsOf(submap, graph, keyframes, std::nullopt));
+    submap.cells = submap.cells.Replaced(CellsOf(submap, graph, keyframes));
     const MatchTarget target(*submap.cells.Get(), grid_options_.cell_size, max_distance_);
     for (const Keyframe& keyframe : keyframes) {
       if (IsOf(submap, keyframe.id) || !parts.AreJoined(submap.id, keyframe.id)) continue;
@@ -134,9 +145,12 @@ PoseGraph MapRefiner::Remeasure(const PoseGraph& graph, const std::vector<Keyfra
   const std::set<NodeId> well_held = WellHeld(foreign, own, kWeakShare * max_distance_);
   ParallelFor(submaps->size(), num_threads, [&](size_t i) {
     const Submap& submap = (*submaps)[i];
-    for (const KeyframeId id : submap.keyframes) {
+    std::optional<LeaveOneOutMap> map;
+    for (size_t k = 0; k < submap.keyframes.size(); ++k) {
+      const KeyframeId id = submap.keyframes[k];
       if (well_held.count(id) > 0 || !IsOfTheTimeOf(submap, id)) continue;
-      const MatchTarget target(CellsOf(submap, graph, keyframes, id), grid_options_.cell_size, max_distance_);
+      if (!map) map.emplace(LeaveOneOutMapOf(submap, graph, keyframes));
+      const MatchTarget target(map->OccupiedCellsWithout(k, min_log_odds_), grid_options_.cell_size, max_distance_);
       const std::optional<Constraint> measured =
           measure(target, submap, keyframes[static_cast<size_t>(id.value)], true);
       if (!measured) continue;

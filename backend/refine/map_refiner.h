@@ -1,12 +1,12 @@
 #ifndef ARBORSLAM_BACKEND_REFINE_MAP_REFINER_H_
 #define ARBORSLAM_BACKEND_REFINE_MAP_REFINER_H_
 
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "backend/graph/pose_graph.h"
 #include "backend/keyframe.h"
+#include "core/map/leave_one_out_map.h"
 #include "core/map/occupancy_grid.h"
 #include "core/map/submap.h"
 #include "frontend/matching/matcher.h"
@@ -40,9 +40,12 @@ class MapRefiner {
                       int num_threads) const;
 
  private:
-  // A submap's cells at the poses of `graph`, without the scan of `left_out`.
+  // A submap's cells at the poses of `graph`.
   std::vector<OccupiedCell> CellsOf(const Submap& submap, const PoseGraph& graph,
-                                    const std::vector<Keyframe>& keyframes, std::optional<KeyframeId> left_out) const;
+                                    const std::vector<Keyframe>& keyframes) const;
+  // The same for leaving scans out, numbered as in the submap.
+  LeaveOneOutMap LeaveOneOutMapOf(const Submap& submap, const PoseGraph& graph,
+                                  const std::vector<Keyframe>& keyframes) const;
 
   MapRefinementOptions options_;
   OccupancyGridOptions grid_options_;

@@ -43,7 +43,7 @@ Eigen::Vector2d OccupancyGrid::origin() const {
   return Eigen::Vector2d(static_cast<double>(first_x_), static_cast<double>(first_y_)) * options_.cell_size;
 }
 
-void OccupancyGrid::Insert(const SE2& T_grid_base, const PlanarScan& scan) {
+PassedCells OccupancyGrid::Insert(const SE2& T_grid_base, const PlanarScan& scan) {
   const double inverse_cell = 1.0 / options_.cell_size;
   Eigen::Vector2d low = T_grid_base.translation();
   Eigen::Vector2d high = low;
@@ -62,69 +62,77 @@ void OccupancyGrid::Insert(const SE2& T_grid_base, const PlanarScan& scan) {
   Cover(low, high);
   ++scan_;
 
-  const Eigen::Vector2d first(static_cast<double>(first_x_), static_cast<double>(first_y_));
-  for (const Eigen::Vector2d& hit : hits) {
-    const Eigen::Vector2d position = hit * inverse_cell - first;
-    const int x = static_cast<int>(position.x());
-    const int y = static_cast<int>(position.y());
-    Tile* tile = MakeTile(x, y);
-    uint32_t& entry = tile->hits[IndexInTile(x, y)];
-    if (entry == 0) {
-      hits_.push_back({first_x_ + x, first_y_ + y, Eigen::Vector2f::Zero(), 0.0f});
-      entry = static_cast<uint32_t>(hits_.size());
-    }
-    Hits& sum = hits_[entry - 1];
-    sum.sum += (options_.cell_size * (position - Eigen::Vector2d(x, y))).cast<float>();
-    sum.count += 1.0f;
-    Cell& cell = tile->cells[IndexInTile(x, y)];
-    if (cell.last_scan == scan_) continue;
-    cell.last_scan = scan_;
-    cell.log_odds = std::min(cell.log_odds + hit_log_odds_, max_log_odds_);
-  }
-  const Eigen::Vector2d from = T_grid_base.translation() * inverse_cell - first;
+  // All in cells of the plane.
+  const Eigen::Vector2d from = T_grid_base.translation() * inverse_cell;
   const double miss_range = options_.miss_range * inverse_cell;
+  std::vector<Eigen::Vector2d> ray_ends;
+  ray_ends.reserve(hits.size() + free_ends.size());
+  low = high = from;
   for (const auto* ends : {&hits, &free_ends}) {
     if (ends == &hits && !scan.point_rays_are_free) continue;
     for (const Eigen::Vector2d& end : *ends) {
-      const Eigen::Vector2d ray = end * inverse_cell - first - from;
-      CastRay(from, from + std::min(1.0, miss_range / ray.norm()) * ray);
+      const Eigen::Vector2d ray = end * inverse_cell - from;
+      ray_ends.push_back(from + std::min(1.0, miss_range / ray.norm()) * ray);
+      low = low.cwiseMin(ray_ends.back());
+      high = high.cwiseMax(ray_ends.back());
     }
   }
+  PassedCells passed(low, high);
+  for (const Eigen::Vector2d& end : ray_ends) passed.CastRay(from, end);
+  passed.Finish();
+
+  for (const Eigen::Vector2d& hit : hits) {
+    const Eigen::Vector2d position = hit * inverse_cell;
+    const int64_t plane_x = FloorToInt(position.x());
+    const int64_t plane_y = FloorToInt(position.y());
+    const auto x = static_cast<int>(plane_x - first_x_);
+    const auto y = static_cast<int>(plane_y - first_y_);
+    Tile* tile = MakeTile(x, y);
+    uint32_t& entry = tile->hits[IndexInTile(x, y)];
+    if (entry == 0) {
+      hits_.push_back({plane_x, plane_y, Eigen::Vector2f::Zero(), 0.0f, 0});
+      entry = static_cast<uint32_t>(hits_.size());
+    }
+    Hits& sum = hits_[entry - 1];
+    const Eigen::Vector2d corner(static_cast<double>(plane_x), static_cast<double>(plane_y));
+    sum.sum += (options_.cell_size * (position - corner)).cast<float>();
+    sum.count += 1.0f;
+    if (sum.last_scan == scan_) continue;
+    sum.last_scan = scan_;
+    float& log_odds = tile->log_odds[IndexInTile(x, y)];
+    log_odds = std::min(log_odds + hit_log_odds_, max_log_odds_);
+    tile->known[RowInTile(y)] |= uint64_t{1} << (x & (kTileCells - 1));
+    passed.Remove(plane_x, plane_y);
+  }
+  Miss(passed);
+  return passed;
 }
 
-void OccupancyGrid::CastRay(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
-  // Cell by cell after Amanatides and Woo (1987), with one number for how much sooner the ray crosses the next row than
-  // the next column, and without branches that a processor cannot foresee.
-  int x = static_cast<int>(from.x());
-  int y = static_cast<int>(from.y());
-  const Eigen::Vector2d direction = to - from;
-  const int step_x = direction.x() >= 0.0 ? 1 : -1;
-  const int step_y = direction.y() >= 0.0 ? 1 : -1;
-  const int steps = std::abs(static_cast<int>(to.x()) - x) + std::abs(static_cast<int>(to.y()) - y);
-  // Times are scaled by |dx| |dy|: crossing a column takes |dy|, crossing a row |dx|.
-  const double column_time = std::abs(direction.y());
-  const double row_time = std::abs(direction.x());
-  const double to_column = step_x > 0 ? x + 1 - from.x() : from.x() - x;
-  const double to_row = step_y > 0 ? y + 1 - from.y() : from.y() - y;
-  double lead = to_row * row_time - to_column * column_time;
-  Tile* tile = MakeTile(x, y);
-  int tile_x = x >> kTileBits;
-  int tile_y = y >> kTileBits;
-  for (int i = 0; i < steps; ++i) {
-    Cell& cell = tile->cells[IndexInTile(x, y)];
-    if (cell.last_scan != scan_) {
-      cell.last_scan = scan_;
-      cell.log_odds = std::max(cell.log_odds + miss_log_odds_, min_log_odds_);
-    }
-    const bool cross_column = lead > 0.0;
-    lead += cross_column ? -column_time : row_time;
-    x += cross_column ? step_x : 0;
-    y += cross_column ? 0 : step_y;
-    // Rounding may lead one cell past the end's row or column, but not past the margin of `Cover`.
-    if ((x >> kTileBits) != tile_x || (y >> kTileBits) != tile_y) {
-      tile = MakeTile(x, y);
-      tile_x = x >> kTileBits;
-      tile_y = y >> kTileBits;
+void OccupancyGrid::Miss(const PassedCells& passed) {
+  // What each of four neighbouring cells gains, by whether they were passed. Nothing is below the minimum, so that the
+  // others stay what they are.
+  std::array<Eigen::Array4f, 16> gains;
+  for (size_t bits = 0; bits < gains.size(); ++bits) {
+    for (int i = 0; i < 4; ++i) gains[bits](i) = (bits >> i & 1) != 0 ? miss_log_odds_ : 0.0f;
+  }
+  const int first_tile_x = static_cast<int>(passed.first_tile_x() - (first_x_ >> kTileBits));
+  const int first_tile_y = static_cast<int>(passed.first_tile_y() - (first_y_ >> kTileBits));
+  for (int tile_y = 0; tile_y < passed.tiles_y(); ++tile_y) {
+    for (int tile_x = 0; tile_x < passed.tiles_x(); ++tile_x) {
+      Tile* tile = nullptr;
+      for (int row = 0; row < kTileCells; ++row) {
+        uint64_t bits = passed.Row(tile_x, tile_y, row);
+        if (bits == 0) continue;
+        if (tile == nullptr) {
+          tile = MakeTile((first_tile_x + tile_x) * kTileCells, (first_tile_y + tile_y) * kTileCells);
+        }
+        tile->known[static_cast<size_t>(row)] |= bits;
+        float* cells = &tile->log_odds[IndexInTile(0, row)];
+        for (; bits != 0; bits >>= 4, cells += 4) {
+          Eigen::Map<Eigen::Array4f, Eigen::Aligned16> four(cells);
+          four = (four + gains[bits & 15]).max(min_log_odds_);
+        }
+      }
     }
   }
 }

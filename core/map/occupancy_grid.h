@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/geometry/se2.h"
+#include "core/map/passed_cells.h"
 #include "core/sensor/planar_scan.h"
 
 namespace arborslam {
@@ -52,8 +53,8 @@ class OccupancyGrid {
  public:
   explicit OccupancyGrid(const OccupancyGridOptions& options);
 
-  /// Adds a scan taken at `T_grid_base`.
-  void Insert(const SE2& T_grid_base, const PlanarScan& scan);
+  /// Adds a scan taken at `T_grid_base`. Returns the cells of the plane that it counts as missed.
+  PassedCells Insert(const SE2& T_grid_base, const PlanarScan& scan);
 
   int width() const { return tiles_x_ * kTileCells; }   ///< [cells] along x.
   int height() const { return tiles_y_ * kTileCells; }  ///< [cells] along y.
@@ -64,43 +65,42 @@ class OccupancyGrid {
   /// Log-odds of the cell at column `x`, row `y`; 0 where nothing is known.
   float LogOdds(int x, int y) const {
     const Tile* tile = TileOf(x, y);
-    return tile == nullptr ? 0.0f : tile->cells[IndexInTile(x, y)].log_odds;
+    return tile == nullptr ? 0.0f : tile->log_odds[IndexInTile(x, y)];
   }
   /// True if a ray ever met or passed the cell.
   bool IsKnown(int x, int y) const {
     const Tile* tile = TileOf(x, y);
-    return tile != nullptr && tile->cells[IndexInTile(x, y)].last_scan != 0;
+    return tile != nullptr && (tile->known[RowInTile(y)] >> (x & (kTileCells - 1)) & 1) != 0;
   }
 
   /// Cells that were hit and whose log-odds are at least `min_log_odds`, in the order of their first hits.
   std::vector<OccupiedCell> OccupiedCells(float min_log_odds) const;
 
  private:
-  struct Cell {
-    float log_odds = 0.0f;
-    uint32_t last_scan = 0;  // Number of the scan that last updated the cell, from 1 on.
-  };
   // What is kept of a cell that was hit.
   struct Hits {
     int64_t x;  // The cell of the plane.
     int64_t y;
     Eigen::Vector2f sum;  // Of the hits' positions relative to the cell's corner [m].
     float count;
+    uint32_t last_scan;  // Number of the last scan that hit the cell, from 1 on.
   };
 
   // Cells are kept in square tiles, made when a ray first enters them, so that growing moves none and land that nobody
   // has seen costs nothing.
-  static constexpr int kTileBits = 6;
-  static constexpr int kTileCells = 1 << kTileBits;
+  static constexpr int kTileBits = PassedCells::kTileBits;
+  static constexpr int kTileCells = PassedCells::kTileCells;
   static constexpr size_t kTileArea = static_cast<size_t>(kTileCells) * kTileCells;
   struct Tile {
-    std::array<Cell, kTileArea> cells;     // What rays pass: kept small, it is most of the work.
-    std::array<uint32_t, kTileArea> hits;  // Index into hits_ plus 1, or 0.
+    alignas(16) std::array<float, kTileArea> log_odds;  // Row by row.
+    std::array<uint32_t, kTileArea> hits;               // Index into hits_ plus 1, or 0.
+    std::array<uint64_t, kTileCells> known;             // A word per row: if a ray ever met or passed the cells.
   };
 
   static size_t IndexInTile(int x, int y) {
     return static_cast<size_t>(((y & (kTileCells - 1)) << kTileBits) | (x & (kTileCells - 1)));
   }
+  static size_t RowInTile(int y) { return static_cast<size_t>(y & (kTileCells - 1)); }
   size_t TileIndex(int x, int y) const {
     return static_cast<size_t>(y >> kTileBits) * static_cast<size_t>(tiles_x_) + static_cast<size_t>(x >> kTileBits);
   }
@@ -108,8 +108,8 @@ class OccupancyGrid {
   Tile* MakeTile(int x, int y);
   // Grows the grid so that it covers the box [m].
   void Cover(const Eigen::Vector2d& low, const Eigen::Vector2d& high);
-  // Marks the cells from `from` to `to` [cells, continuous] as passed in this scan, all but the last.
-  void CastRay(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
+  // A miss for each of these cells, which `Cover` covers.
+  void Miss(const PassedCells& passed);
 
   OccupancyGridOptions options_;
   float hit_log_odds_;

@@ -13,18 +13,29 @@
 namespace arborslam {
 namespace {
 
-// One scan into a grown grid.
-void BM_GridInsert(benchmark::State& state) {
+// One scan into a grown grid: of a lidar in the plane, whose rays to the points are free, or of a sweep in space, which
+// knows in every direction how far it is free.
+void BM_GridInsert(benchmark::State& state, bool in_space) {
   const MappedOrchard& mapped = SharedMappedOrchard();
   OccupancyGrid grid((OccupancyGridOptions()));
-  for (size_t k = 0; k < mapped.scans.size(); ++k) grid.Insert(mapped.poses[k], mapped.scans[k]);
+  std::vector<PlanarScan> scans = mapped.scans;
+  size_t num_rays = 0;
+  for (PlanarScan& scan : scans) {
+    num_rays += scan.points.size() + scan.free_ends.size();
+    if (!in_space) continue;
+    scan.point_rays_are_free = false;
+    for (const Eigen::Vector2f& point : scan.points) scan.free_ends.push_back(0.97f * point);
+  }
+  for (size_t k = 0; k < scans.size(); ++k) grid.Insert(mapped.poses[k], scans[k]);
   size_t i = 0;
   for (auto _ : state) {
-    grid.Insert(mapped.poses[i], mapped.scans[i]);
-    i = (i + 1) % mapped.scans.size();
+    grid.Insert(mapped.poses[i], scans[i]);
+    i = (i + 1) % scans.size();
   }
+  state.counters["rays"] = static_cast<double>(num_rays) / static_cast<double>(scans.size());
 }
-BENCHMARK(BM_GridInsert)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(BM_GridInsert, planar, false)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(BM_GridInsert, sweep, true)->Unit(benchmark::kMicrosecond);
 
 // All scans into a new grid, growth included.
 void BM_GridBuild(benchmark::State& state) {
