@@ -22,8 +22,11 @@ namespace {
 constexpr double kAnchorInformation = 1e8;
 // Standard deviations [m] and [rad] of a gap: the robot may have been carried anywhere. They only keep the graph whole.
 const Eigen::Vector3d kGapSigma(100.0, 100.0, 10.0);
-// Scans in a row that the map rejects before a new one is begun.
-constexpr int kMaxRejected = 3;
+// Scans in a row that the map rejects before the next one begins a new map.
+constexpr int kMaxRejected = 5;
+// A map of no more clean scans than this may have begun badly: one that does not take so many scans in a row is left.
+constexpr int kYoungMap = 10;
+constexpr int kMaxUnclean = 3;
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 // The mean of a prediction with standard deviations `sigma` [m, m, rad] and of the match, each counting as it knows.
@@ -80,10 +83,12 @@ Slam::Slam(const SlamOptions& options, int num_threads, SessionContents contents
   });
   state.Check(has_scans, "a submap that grows has a keyframe that does not exist");
   auto scan = scans_.begin();
+  const auto first_of_map = scans_.begin() + static_cast<std::ptrdiff_t>(map_begins_.empty() ? 0 : map_begins_.back());
   for (const SessionContents::ReadScan& read : contents.read) {
     if (read.result.status == ScanStatus::kSkipped) continue;
     state.Check(scan != scans_.end(), "a scan has no pose");
-    if (read.result.has_ground) reducer_.AddTerrain(*scan->ground.Get(), read.result.T_odom_base, scan->tilt);
+    if (read.result.has_ground && scan >= first_of_map)
+      reducer_.AddTerrain(*scan->ground.Get(), read.result.T_odom_base, scan->tilt);
     ++scan;
   }
 }
@@ -92,12 +97,15 @@ void Slam::RestoreLoss(const std::vector<SessionContents::ReadScan>& read) {
   size_t num_posed = 0;
   for (const SessionContents::ReadScan& scan : read) {
     if (scan.result.status == ScanStatus::kSkipped) continue;
-    const bool is_rejected = scan.result.status == ScanStatus::kPredicted && !wheels_.has_odometry() &&
-                             scan.result.match.num_points >= options_.matcher.min_points;
-    const bool begins_map = is_rejected && scan.result.is_inserted;
+    const bool was_matched = scan.result.status == ScanStatus::kMatched;
+    const bool begins_map = num_posed > 0 && was_matched && !IsUsable(scan.result.match.verdict);
     if (begins_map) map_begins_.push_back(num_posed);
+    const MatchResult& match = scan.result.match;
+    const bool is_rejected = !was_matched && match.num_points >= options_.matcher.min_points;
+    const bool begins = num_posed == 0 || begins_map;
+    const bool is_clean = IsUsable(match.verdict) && match.score <= options_.tracker.max_insert_score;
+    if (!wheels_.has_odometry()) CountForLoss(begins, is_rejected, begins || is_clean);
     was_matched_.push_back(scan.result.status == ScanStatus::kMatched ? 1 : 0);
-    num_rejected_ = is_rejected && !begins_map ? num_rejected_ + 1 : 0;
     ++num_posed;
   }
 }
@@ -132,6 +140,7 @@ ScanResult Slam::AddScan(const LidarSweep& sweep) {
   result.stamp = sweep.Middle();
   if (IsOutOfOrder(&result)) return result;
   Stopwatch stopwatch;
+  if (IsLost()) reducer_.ForgetPlace();
   const Prediction prediction = PredictScan(result.stamp, std::nullopt);
   // A sweep whose duration is a guess is deskewed as if the robot were as fast as it must be for the way of the real
   // duration.
@@ -192,23 +201,26 @@ bool Slam::AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vect
     result.reason = ToString(MatchVerdict::kTooFewPoints);
     return false;
   }
+  const bool begins_map = IsLost() && static_cast<int>(to_match.size()) >= options_.matcher.min_points;
+  if (begins_map) BeginMap();
   const SE2 last_pose = is_first ? SE2() : WindowPose(scans_.back()).pose;
   const TrackingResult tracked =
       tracker_.Track(to_match, last_pose, prediction.pose, prediction.knows_velocity, prediction.sigma,
                      prediction.since_scan.has_value(), improvement != nullptr ? improvement->points : nullptr);
   result.match = tracked.match;
   result.searched_wide = tracked.searched_wide;
-  result.status = is_first || IsUsable(tracked.match.verdict) ? ScanStatus::kMatched : ScanStatus::kPredicted;
+  result.status =
+      is_first || begins_map || IsUsable(tracked.match.verdict) ? ScanStatus::kMatched : ScanStatus::kPredicted;
   if (result.status == ScanStatus::kPredicted) result.reason = ToString(tracked.match.verdict);
   const bool is_rejected =
       result.status == ScanStatus::kPredicted && static_cast<int>(to_match.size()) >= options_.matcher.min_points;
-  num_rejected_ = is_rejected && !prediction.since_scan ? num_rejected_ + 1 : 0;
-  const bool begins_map = num_rejected_ == kMaxRejected;
+  const bool is_kept = is_first || begins_map || tracked.insert;
+  if (!prediction.since_scan) CountForLoss(is_first || begins_map, is_rejected, is_kept);
   const bool is_clean = tracked.insert && IsUsable(tracked.match.verdict);
   if (is_clean && prediction.since_scan) {
     wheels_.Learn(*prediction.since_scan, last_pose.Inverse() * tracked.match.pose, tracked.match.information);
   }
-  if (!is_first) {
+  if (!is_first && !begins_map) {
     motion_.Add({scans_.back().stamp, last_pose}, {result.stamp, tracked.match.pose},
                 IsUsable(tracked.match.verdict) ? tracked.match.information : Eigen::Matrix3d::Zero());
   }
@@ -216,7 +228,7 @@ bool Slam::AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vect
   result.match_ms = stopwatch.Lap();
 
   // Rejected scans are kept: a later map may tell where they were taken.
-  result.is_keyframe = is_first || is_rejected ||
+  result.is_keyframe = is_first || begins_map || is_rejected ||
                        tracker_.IsKeyframe({keyframes_.back().scan.Get()->stamp, graph_.Pose(keyframes_.back().id)},
                                            {result.stamp, tracked.match.pose});
   if (!result.is_keyframe) {
@@ -225,7 +237,6 @@ bool Slam::AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vect
     scans_.push_back({result.stamp, last, window_.Pose(last).Inverse() * result.T_odom_base, {}, {}, {}, {}, {}});
     return tracked.is_improved;
   }
-  if (begins_map) BeginMap();
   result.T_odom_base = Smooth(tracked.is_improved ? *improvement->scan : planar, prediction, tracked, begins_map);
   result.is_inserted = keyframes_.back().is_inserted;
   result.window_ms = stopwatch.Lap();
@@ -237,10 +248,20 @@ bool Slam::AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vect
   return tracked.is_improved;
 }
 
+void Slam::CountForLoss(bool begins_map, bool is_rejected, bool is_clean) {
+  if (begins_map) num_clean_ = 0;
+  num_rejected_ = is_rejected ? num_rejected_ + 1 : 0;
+  num_clean_ += is_clean ? 1 : 0;
+  num_unclean_ = is_clean ? 0 : num_unclean_ + 1;
+}
+
+bool Slam::IsLost() const {
+  return num_rejected_ >= kMaxRejected || (num_clean_ <= kYoungMap && num_unclean_ >= kMaxUnclean);
+}
+
 void Slam::BeginMap() {
   for (Submap& submap : tracker_.FinishAll()) AddSubmap(std::move(submap));
   motion_ = MotionFilter(options_.motion);
-  num_rejected_ = 0;
   map_begins_.push_back(scans_.size());
 }
 
@@ -384,17 +405,17 @@ void Slam::RecoverLost() {
   const std::vector<KeyframeId> recovered =
       RecoverLostScans(options_.tracker, matcher_, options_.grid.cell_size, options_.matcher.max_distance, keyframes_,
                        submaps_, &graph_);
-  // A map all of whose scans the next one has taken over was a start that failed.
+  // Scans that the next map has taken over are its own; one that has lost all of them was a start that failed.
+  const auto is_taken = [&](size_t i) {
+    return std::binary_search(recovered.begin(), recovered.end(), scans_[i].keyframe) || !was_matched_[i];
+  };
   size_t begin = 0;
   std::vector<size_t> kept;
-  for (const size_t end : map_begins_) {
-    bool is_whole = true;
-    for (size_t i = begin; i < end; ++i) {
-      const bool is_recovered = std::binary_search(recovered.begin(), recovered.end(), scans_[i].keyframe);
-      is_whole = is_whole && (is_recovered || !was_matched_[i]);
-    }
-    if (!is_whole) kept.push_back(end);
-    begin = end;
+  for (const size_t next_begin : map_begins_) {
+    size_t end = next_begin;
+    while (end > begin && is_taken(end - 1)) --end;
+    if (end > begin) kept.push_back(end);
+    begin = next_begin;
   }
   map_begins_ = std::move(kept);
 }
@@ -417,7 +438,9 @@ void Slam::PlaceUnmeasured(FinishResult* result) {
       std::fill(result->pose_sources.begin() + static_cast<std::ptrdiff_t>(*before) + 1,
                 result->pose_sources.begin() + static_cast<std::ptrdiff_t>(i), PoseSource::kInterpolated);
     }
-    if (is_same && !std::binary_search(map_begins_.begin(), map_begins_.end(), i)) {
+    const auto next_map =
+        before ? std::upper_bound(map_begins_.begin(), map_begins_.end(), *before) : map_begins_.end();
+    if (is_same && (next_map == map_begins_.end() || *next_map > i)) {
       result->segments.back().last_scan = i;
     } else {
       result->segments.push_back({i, i, part == parts.main_part()});

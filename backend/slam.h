@@ -144,6 +144,10 @@ class Slam {
   // Makes the scan a variable of window and graph, with all that was measured about it; returns its smoothed pose.
   // @param begins_map the scan is the first of a new map: nothing is measured from the scans before it.
   SE2 Smooth(const PlanarScan& scan, const Prediction& prediction, const TrackingResult& tracked, bool begins_map);
+  // Takes how a scan fits the present map, without wheel odometry.
+  void CountForLoss(bool begins_map, bool is_rejected, bool is_clean);
+  // True when so many scans in a row were rejected that the next one is to begin a new map.
+  bool IsLost() const;
   // Ends the active submaps, in which nothing is found any more: the present scan begins a new map.
   void BeginMap();
   // Finds how many scans were rejected last, and where the present map began, from the results of all scans.
@@ -168,6 +172,8 @@ class Slam {
   std::vector<Keyframe> keyframes_;
   std::vector<Submap> submaps_;  // Finished ones.
   std::vector<PosedScan> scans_;
+  int num_clean_ = 0;               // Scans that the present map took, with the one that began it.
+  int num_unclean_ = 0;             // Scans in a row that it did not take.
   int num_rejected_ = 0;            // Scans in a row that the active submaps rejected.
   std::vector<char> was_matched_;   // By scan: it was when it came.
   std::vector<size_t> map_begins_;  // Indices into `scans_` of those that began a new map when tracking was lost.

@@ -13,21 +13,59 @@ namespace {
 
 // Scans in a row that are not found before the rest is given up.
 constexpr int kMaxMisses = 5;
+// The wide search grows by its own size with every scan that is not found, up to this many times.
+constexpr int kMaxGrowth = 3;
+// A scan that another map holds is taken from it if it fits the new one this much better.
+constexpr double kBetter = 0.7;
 // Keyframes of a map that is taken for a start that failed.
 constexpr size_t kMaxBadStart = 10;
 
 // A match in the near window and, when that is poor, in the wide one, as the tracker makes it.
 MatchResult Search(const TrackerOptions& options, const Matcher& matcher, const MatchTarget& target,
-                   const std::vector<Eigen::Vector2f>& points, const SE2& prediction) {
+                   const std::vector<Eigen::Vector2f>& points, const SE2& prediction, int growth) {
   const SearchPenalty penalty{options.translation_penalty, options.rotation_penalty};
   const MatchResult near =
       matcher.Match(target, points, prediction,
                     {options.near_translation, options.near_rotation, options.near_rotation_step, penalty});
   if (IsUsable(near.verdict) && near.score <= options.wide_score) return near;
-  return matcher.MatchBetter(target, points, prediction,
-                             {options.wide_translation, options.wide_rotation, options.wide_rotation_step, penalty},
-                             options.max_insert_score);
+  return matcher.MatchBetter(
+      target, points, prediction,
+      {growth * options.wide_translation, options.wide_rotation, options.wide_rotation_step, penalty},
+      options.max_insert_score);
 }
+
+// How well scans fit the submaps to which they were matched.
+class OldMaps {
+ public:
+  OldMaps(const Matcher& matcher, double cell_size, double max_distance, const std::vector<Submap>& submaps,
+          const PoseGraph& graph)
+      : matcher_(matcher), cell_size_(cell_size), max_distance_(max_distance), submaps_(submaps), graph_(graph) {}
+
+  // [m], the least MHD of a keyframe with these points.
+  double ScoreOf(KeyframeId id, const std::vector<Eigen::Vector2f>& points) {
+    double least = max_distance_;
+    for (const Constraint& constraint : graph_.constraints()) {
+      if (!(constraint.to == NodeId(id)) || !IsMatch(constraint)) continue;
+      const auto submap = std::find_if(submaps_.begin(), submaps_.end(),
+                                       [&](const Submap& one) { return NodeId(one.id) == constraint.from; });
+      if (submap == submaps_.end()) continue;
+      auto target = targets_.find(submap->id);
+      if (target == targets_.end()) {
+        target = targets_.try_emplace(submap->id, *submap->cells.Get(), cell_size_, max_distance_).first;
+      }
+      least = std::min(least, matcher_.MatchNear(target->second, points, constraint.T_from_to).score);
+    }
+    return least;
+  }
+
+ private:
+  const Matcher& matcher_;
+  double cell_size_;     // [m]
+  double max_distance_;  // [m]
+  const std::vector<Submap>& submaps_;
+  const PoseGraph& graph_;
+  std::map<SubmapId, MatchTarget> targets_;
+};
 
 // The submap that begins at each keyframe that begins one.
 std::map<KeyframeId, const Submap*> SubmapsByFirst(const std::vector<Submap>& submaps) {
@@ -61,15 +99,18 @@ std::vector<KeyframeId> RecoverLostScans(const TrackerOptions& options, const Ma
       if (IsMatch(constraint) && measured.insert(constraint.to).second) ++num_measured[parts.Of(constraint.to)];
     }
     const MatchTarget target(*submap.cells.Get(), cell_size, max_distance);
+    OldMaps old_maps(matcher, cell_size, max_distance, submaps, *graph);
     SE2 T_submap_next = graph->Pose(submap.id).Inverse() * graph->Pose(gap->to);
     int num_misses = 0;
     for (int i = gap->from.value; i >= 0 && num_misses < kMaxMisses; --i) {
       const KeyframeId id{i};
       const bool is_of_old_map = measured.count(id) > 0;
       if (parts.AreJoined(id, submap.id)) break;
-      if (is_of_old_map && num_measured[parts.Of(id)] > kMaxBadStart) break;
+      const bool is_bad_start = num_measured[parts.Of(id)] <= kMaxBadStart;
       const std::shared_ptr<const PlanarScan> scan = keyframes[static_cast<size_t>(i)].scan.Get();
-      const MatchResult match = Search(options, matcher, target, scan->points, T_submap_next);
+      const MatchResult match =
+          Search(options, matcher, target, scan->points, T_submap_next, std::min(1 + num_misses, kMaxGrowth));
+      if (is_of_old_map && !is_bad_start && !(match.score < kBetter * old_maps.ScoreOf(id, scan->points))) break;
       if (!IsUsable(match.verdict) || match.score > options.max_insert_score) {
         ++num_misses;
         continue;

@@ -16,9 +16,10 @@ namespace arborslam {
 /// as the tracker searches forwards. A scan that is found hangs on the new map from then on, with its match as its only
 /// measurement; the gap moves before it.
 ///
-/// Scans that the old map rejected are found until `kMaxMisses` in a row are not. Scans that the old map holds are
-/// taken over only if the old map is a start that failed, of at most `kMaxBadStart` keyframes: a longer one is joined
-/// as a whole, by recognised places.
+/// Scans that the old map rejected are found until five in a row are not. Scans that the old map holds are taken over
+/// as long as they fit the new map clearly better, as those do that were taken elsewhere and matched by chance; all of
+/// them if the old map is a start that failed, of at most ten keyframes. A longer one is joined as a whole, by
+/// recognised places.
 /// @param submaps   finished ones.
 /// @param keyframes keyframe i with id i.
 /// @return the keyframes that were found, ascending.

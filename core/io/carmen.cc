@@ -14,6 +14,7 @@
 #include "core/geometry/angles.h"
 #include "core/io/input_file.h"
 #include "core/io/rising_stamps.h"
+#include "core/io/stamp_repair.h"
 
 namespace arborslam {
 namespace {
@@ -40,6 +41,7 @@ constexpr double kRepeatedShare = 0.9;
 // Beyond this, in [m] or [s], a number is no pose and no stamp.
 constexpr double kGreatestCoordinate = 1e9;
 constexpr double kGreatestStamp = 1e12;
+constexpr double kUsualStep = 0.2;  // [s] from scan to scan, where the stamps do not tell.
 // [m, rad], by how much the place of the lidar on the robot may change by rounding.
 constexpr double kMountTolerance = 0.01;
 // Numbers of readings for which half a circle is usual.
@@ -123,10 +125,15 @@ SE2 PoseAt(const TextReader& reader, size_t first) {
 
 double StampAt(const TextReader& reader, size_t index) { return BoundedNumber(reader, index, "stamp", kGreatestStamp); }
 
-// Infinite where the text says so; not a number is an error, as other text is.
+// Infinite where the text says so or that it is not a number; other text is an error.
 double RangeAt(const TextReader& reader, size_t index) {
   const std::string& text = reader.fields()[index];
-  if (text == "inf" || text == "+inf" || text == "Inf") return std::numeric_limits<double>::infinity();
+  std::string word = text.substr(text.empty() || (text[0] != '+' && text[0] != '-') ? 0 : 1);
+  std::transform(word.begin(), word.end(), word.begin(), [](unsigned char c) { return std::tolower(c); });
+  const bool is_negative = !text.empty() && text[0] == '-';
+  if (word == "nan" || ((word == "inf" || word == "infinity") && !is_negative)) {
+    return std::numeric_limits<double>::infinity();
+  }
   return reader.Number(index, "range");
 }
 
@@ -340,13 +347,9 @@ CarmenScanSource::CarmenScanSource(const std::string& path) : reader_(path) {
   const double cut = index.ranges.Cut().value_or(kSickErrors);
   no_return_ = static_cast<float>(tag_ == kSick ? cut : std::numeric_limits<double>::infinity());
 
-  RisingStamps rising = MakeRising(std::move(scans.stamps));
-  stamps_ = std::move(rising.stamps);
-  if (rising.num_changed > 0) {
-    notices_.push_back(std::to_string(rising.num_backwards) + " of the " + std::to_string(stamps_.size()) +
-                       " stamps run backwards: " + std::to_string(rising.num_changed) +
-                       " are replaced by ones between their neighbours', and no scan is lost.");
-  }
+  RepairedStamps repaired = RepairStamps(std::move(scans.stamps), kUsualStep);
+  stamps_ = std::move(repaired.seconds);
+  notices_.insert(notices_.end(), repaired.notices.begin(), repaired.notices.end());
   odometry_ = OdometryOf(scans, stamps_, index.odometry, &notices_);
 }
 

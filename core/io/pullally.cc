@@ -5,12 +5,14 @@
 
 #include "core/error.h"
 #include "core/geometry/angles.h"
+#include "core/io/stamp_repair.h"
 
 namespace arborslam {
 namespace {
 
 constexpr char kScanKey[] = "scan0";
 constexpr char kTimeKey[] = "time";
+constexpr double kUsualStep = 1.0;  // [s] from scan to scan, where the stamps do not tell.
 
 // The conversion of a double that no float can hold is undefined.
 float ToFloat(double range) {
@@ -27,12 +29,6 @@ std::optional<std::vector<double>> ReadPullallyStamps(const NpzFile& file, size_
     throw UserError(file.Place(kTimeKey), "has the shape " + time.ShapeText(),
                     "give one stamp for each of the " + std::to_string(count) + " records");
   }
-  for (size_t i = 0; i < count; ++i) {
-    if (!std::isfinite(time.values[i])) {
-      throw UserError(file.Place(kTimeKey) + ", record " + std::to_string(i),
-                      "has the stamp " + std::to_string(time.values[i]), "give every record a finite stamp in seconds");
-    }
-  }
   return std::move(time.values);
 }
 
@@ -47,15 +43,11 @@ PullallyScanSource::PullallyScanSource(const std::string& path) {
   num_beams_ = scans.shape[1];
 
   if (std::optional<std::vector<double>> stamps = ReadPullallyStamps(file, num_scans)) {
-    stamps_ = std::move(*stamps);
-    size_t num_backwards = 0;
-    for (size_t i = 1; i < num_scans; ++i) num_backwards += stamps_[i] <= stamps_[i - 1] ? 1 : 0;
-    if (num_backwards > 0) {
-      notices_.push_back(std::to_string(num_backwards) + " of the " + std::to_string(num_scans) +
-                         " stamps are not later than the one before.");
-    }
+    RepairedStamps repaired = RepairStamps(std::move(*stamps), kUsualStep);
+    stamps_ = std::move(repaired.seconds);
+    notices_ = std::move(repaired.notices);
   } else {
-    for (size_t i = 0; i < num_scans; ++i) stamps_.push_back(static_cast<double>(i));
+    for (size_t i = 0; i < num_scans; ++i) stamps_.push_back(kUsualStep * static_cast<double>(i));
     notices_.push_back("The recording has no array 'time'; its scans are stamped one second apart.");
   }
 

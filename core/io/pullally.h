@@ -17,7 +17,8 @@ namespace arborslam {
 ///   scan0  N x B, ranges [m], N >= 1 scans of B >= 2 beams; bearing_i = -pi + i 2 pi / (B + 1). A range that is
 ///   infinite,
 ///          not a number or negative means that nothing came back.
-///   time   N or N x 1, stamps [s], the middle of each sweep. When it is absent, scan i is stamped i * 1 s.
+///   time   N or N x 1, stamps, the middle of each sweep, as `RepairStamps` takes them. When it is absent, scan i is
+///          stamped i * 1 s.
 ///
 /// The ranges are unpacked at opening: 4 bytes each.
 class PullallyScanSource : public ScanSource {
@@ -37,8 +38,8 @@ class PullallyScanSource : public ScanSource {
   std::vector<std::string> notices_;
 };
 
-/// The stamps [s] of the `count` records of a Pullally recording: its array `time`, or nothing when it has none. Throws
-/// `UserError` on a wrong shape and on a stamp that is not finite.
+/// The stamps of the `count` records of a Pullally recording as they are: its array `time`, or nothing when it has none.
+/// Throws `UserError` on a wrong shape.
 std::optional<std::vector<double>> ReadPullallyStamps(const NpzFile& file, size_t count);
 
 }  // namespace arborslam

@@ -45,9 +45,13 @@ double MedianStep(const std::vector<double>& stamps, const std::vector<size_t>& 
 
 RisingStamps MakeRising(std::vector<double> stamps) {
   RisingStamps result;
-  for (size_t i = 1; i < stamps.size(); ++i) result.num_backwards += stamps[i] <= stamps[i - 1] ? 1 : 0;
+  // Sums and halves of steps below this are lost in a double, or one with another.
+  constexpr double kLeastStep = 1e-6;
+  for (size_t i = 1; i < stamps.size(); ++i) result.num_backwards += stamps[i] - stamps[i - 1] < kLeastStep ? 1 : 0;
   if (result.num_backwards > 0) {
-    const std::vector<size_t> kept = LongestRising(stamps);
+    std::vector<double> tilted = stamps;
+    for (size_t i = 0; i < tilted.size(); ++i) tilted[i] -= kLeastStep * static_cast<double>(i);
+    const std::vector<size_t> kept = LongestRising(tilted);
     result.num_changed = stamps.size() - kept.size();
     const double step = MedianStep(stamps, kept);
     for (size_t i = kept.front(); i-- > 0;) stamps[i] = stamps[i + 1] - step;

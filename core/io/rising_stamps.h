@@ -9,7 +9,7 @@ namespace arborslam {
 /// Stamps that rise from record to record, and how they came about.
 struct RisingStamps {
   std::vector<double> stamps;  ///< [s]
-  size_t num_backwards = 0;    ///< Of the stamps as given: not later than the one before.
+  size_t num_backwards = 0;    ///< Of the stamps as given: not later than the one before by a microsecond.
   size_t num_changed = 0;
 };
 

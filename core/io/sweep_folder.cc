@@ -19,6 +19,7 @@
 #include "core/io/kitti_bin.h"
 #include "core/io/natural_order.h"
 #include "core/io/point_cloud_file.h"
+#include "core/io/stamp_repair.h"
 #include "core/io/sweep_stamps.h"
 #include "core/io/text_reader.h"
 
@@ -238,8 +239,9 @@ std::string SweepFolder::FindFiles(const std::string& path) {
 void SweepFolder::FindStamps(const std::string& stamp_file) {
   const std::vector<double> of_names = SortByStampsOfNames();
   if (stamp_file.empty()) {
-    stamps_ = of_names;
-    if (!stamps_.empty()) notices_.push_back("The sweeps are stamped by the names of their files.");
+    if (of_names.empty()) return;
+    notices_.push_back("The sweeps are stamped by the names of their files.");
+    TakeStamps(of_names);
     return;
   }
   const SweepStamps stamps = ReadSweepStamps(stamp_file);
@@ -249,20 +251,15 @@ void SweepFolder::FindStamps(const std::string& stamp_file) {
                         std::to_string(files_.size()) + " sweeps in " + fs::path(files_.front()).parent_path().string(),
                     "give one stamp for each sweep, or move the file away if it is of another recording");
   }
-  stamps_ = stamps.seconds;
-  size_t num_backwards = 0;
-  size_t first_line = 0;
-  for (size_t i = 1; i < stamps_.size(); ++i) {
-    if (stamps_[i] > stamps_[i - 1]) continue;
-    if (num_backwards++ == 0) first_line = stamps.line_numbers[i];
-  }
-  if (num_backwards > 0) {
-    notices_.push_back(std::to_string(num_backwards) + " of the " + std::to_string(files_.size()) + " stamps in " +
-                       stamp_file + " are not later than the one before, the first in line " +
-                       std::to_string(first_line) + ".");
-  }
+  TakeStamps(stamps.seconds);
   const std::string notice = of_names.empty() ? NumberingNotice(files_, false) : "";
   if (!notice.empty()) notices_.push_back(notice);
+}
+
+void SweepFolder::TakeStamps(std::vector<double> stamps) {
+  RepairedStamps repaired = RepairStamps(std::move(stamps), kUsualTurn);
+  stamps_ = std::move(repaired.seconds);
+  notices_.insert(notices_.end(), repaired.notices.begin(), repaired.notices.end());
 }
 
 std::vector<double> SweepFolder::SortByStampsOfNames() {

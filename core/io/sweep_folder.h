@@ -64,6 +64,8 @@ class SweepFolder : public ScanSource {
   // Returns the path of the file of stamps, or "".
   std::string FindFiles(const std::string& path);
   void FindStamps(const std::string& stamp_file);
+  // Takes the stamps of the files, as they are in the recording.
+  void TakeStamps(std::vector<double> stamps);
   // Returns the stamps of the names, [s], or none when they are no stamps.
   std::vector<double> SortByStampsOfNames();
   void FindPointTimes();

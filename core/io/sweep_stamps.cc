@@ -111,6 +111,41 @@ std::optional<double> StampOfName(std::string_view stem) {
   return std::nullopt;
 }
 
+// How far the steps between `stamps` differ from their median, in the mean, as a share of it.
+double Unevenness(std::vector<double> stamps) {
+  std::sort(stamps.begin(), stamps.end());
+  std::vector<double> steps;
+  for (size_t i = 1; i < stamps.size(); ++i) steps.push_back(stamps[i] - stamps[i - 1]);
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  const double median = *middle;
+  double sum = 0.0;
+  for (const double step : steps) sum += std::abs(step - median);
+  return sum / (static_cast<double>(steps.size()) * std::max(median, 1e-9));
+}
+
+// The stamps of names that are seconds.nanoseconds without zeros in front of the nanoseconds, if these make the steps
+// more even than `as_decimals` do; nothing if not.
+std::optional<std::vector<double>> UnpaddedStamps(const std::vector<std::string>& stems,
+                                                  const std::vector<double>& as_decimals) {
+  constexpr size_t kMostDigits = 9;
+  std::vector<double> stamps;
+  size_t least = kMostDigits;
+  for (const std::string& stem : stems) {
+    const size_t point = stem.find_last_of('.');
+    if (point == std::string::npos) return std::nullopt;
+    const std::string_view fraction = std::string_view(stem).substr(point + 1);
+    const std::optional<int64_t> nanoseconds = ParseWhole<int64_t>(fraction);
+    if (!nanoseconds || fraction.size() > kMostDigits) return std::nullopt;
+    least = std::min(least, fraction.size());
+    const double whole = std::floor(as_decimals[stamps.size()]);
+    stamps.push_back(whole + 1e-9 * static_cast<double>(*nanoseconds));
+  }
+  if (stamps.size() < 3 || least == kMostDigits) return std::nullopt;
+  if (Unevenness(stamps) >= Unevenness(as_decimals)) return std::nullopt;
+  return stamps;
+}
+
 }  // namespace
 
 std::optional<double> ParseStamp(std::string_view text) {
@@ -157,6 +192,7 @@ std::optional<std::vector<double>> StampsOfNames(const std::vector<std::string>&
     if (!stamp) return std::nullopt;
     stamps.push_back(*stamp);
   }
+  if (const std::optional<std::vector<double>> unpadded = UnpaddedStamps(stems, stamps)) stamps = *unpadded;
   std::vector<double> sorted = stamps;
   std::sort(sorted.begin(), sorted.end());
   if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) return std::nullopt;

@@ -27,7 +27,8 @@ SweepStamps ReadSweepStamps(const std::string& path);
 /// The stamps [s] that the file names `stems` (without extension) end with, if every one does and no two are alike:
 ///   - seconds, milli-, micro- or nanoseconds since 1970, between the years 2000 and 2100, with or without a fraction,
 ///   - seconds and nanoseconds since 1970 in the same years, apart by '_' or '-', or
-///   - seconds from any epoch with a fraction of three digits or more, when no digit comes before.
+///   - seconds from any epoch with a fraction of three digits or more, when no digit comes before. Fractions that are
+///     nanoseconds without the zeros in front are read as such where that makes the steps more even.
 /// Nothing otherwise: the names are mere numbers then.
 std::optional<std::vector<double>> StampsOfNames(const std::vector<std::string>& stems);
 

@@ -32,7 +32,9 @@ SweepReducer::SweepReducer(const ReductionOptions& reduction, const SweepProject
       compact_options_(compact),
       projector_(projection),
       moving_objects_(moving_objects),
+      moving_object_options_(moving_objects),
       find_moving_(moving_objects.enabled),
+      terrain_cell_size_(terrain_cell_size),
       terrain_(terrain_cell_size) {}
 
 ReducedSweep SweepReducer::Reduce(const LidarSweep& sweep, const SE2& prediction, const PlanarVelocity& velocity) {
@@ -83,6 +85,12 @@ void SweepReducer::Redeskew(const LidarSweep& sweep, const PlanarVelocity& veloc
   AddMotion(change, sweep.duration, &reduced->with_moving);
   reduced->to_match = ThinnedThings(compact_options_, reduced->planar.points);
   reduced->deskewing = velocity;
+}
+
+void SweepReducer::ForgetPlace() {
+  moving_objects_ = MovingObjectFilter(moving_object_options_);
+  terrain_ = TerrainMap(terrain_cell_size_);
+  is_first_ = true;
 }
 
 void SweepReducer::Commit(const ReducedSweep& sweep, const SE2& T_odom_base) {

@@ -63,6 +63,9 @@ class SweepReducer {
   /// the velocities' difference, what `Reduce` would have made of `sweep` with it. Only if `CanRedeskew`.
   void Redeskew(const LidarSweep& sweep, const PlanarVelocity& velocity, ReducedSweep* reduced) const;
 
+  /// Forgets the terrain and what stood around: the next sweep is taken elsewhere.
+  void ForgetPlace();
+
   /// Remembers a sweep whose pose is known by now.
   void Commit(const ReducedSweep& sweep, const SE2& T_odom_base);
 
@@ -85,8 +88,10 @@ class SweepReducer {
   CompactThingOptions compact_options_;
   SweepProjector projector_;
   MovingObjectFilter moving_objects_;
+  MovingObjectOptions moving_object_options_;
   bool find_moving_;
-  PreparedSweep prepared_;  // Of the last sweep; its memory is used again.
+  double terrain_cell_size_;  // [m]
+  PreparedSweep prepared_;    // Of the last sweep; its memory is used again.
   TerrainMap terrain_;
   Tilt3 last_tilt_;
   bool is_first_ = true;

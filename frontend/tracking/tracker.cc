@@ -34,6 +34,8 @@ constexpr double kTieBreak = 0.1;
 constexpr double kMaxWorsening = 1.5;
 // A wide search must do this much better than the near one to be believed.
 constexpr double kWideGain = 0.8;
+// [m], once lost, no other pose within this may fit nearly as well: more than from tree to tree and from row to row.
+constexpr double kUniqueWithin = 5.0;
 // The wide search grows by its own size with every scan that finds nothing, up to this many times.
 constexpr int kMaxWideGrowth = 3;
 
@@ -123,8 +125,13 @@ TrackingResult Tracker::Track(const std::vector<Eigen::Vector2f>& points, const 
                             is_lost ? SearchPenalty{} : penalty};
     const SE2 wide_center = by_wheels ? T_submap_prediction : older.T_odom_submap.Inverse() * last_pose;
     const double max_cost = is_lost ? options_.max_insert_score : kWideGain * match.cost;
-    const MatchResult wide_match = matcher_.MatchBetter(target, points, wide_center, wide, max_cost, is_last);
+    MatchResult wide_match = matcher_.MatchBetter(target, points, wide_center, wide, max_cost, is_last);
     result.searched_wide = true;
+    // A robot that was lost may be elsewhere, where a tree or a row farther on looks the same.
+    if (is_lost && !by_wheels && IsUsable(wide_match.verdict)) {
+      matcher_.CheckUniqueness(target, points, {kUniqueWithin, wide_rotation, options_.wide_rotation_step, {}},
+                               &wide_match);
+    }
     if (wide_match.cost < match.cost) match = wide_match;
   }
   const std::vector<Eigen::Vector2f>* best_points = &points;
