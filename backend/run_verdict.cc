@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kLostShare = 0.5;         // Of the scans measured, below which a run is lost.
 constexpr double kMostUnmeasured = 0.02;   // Share of the scans without a measured pose that is usual.
+constexpr size_t kFewUnmeasured = 2;       // Are no cause for alarm, however short the run.
 constexpr size_t kLongestUnmeasured = 10;  // In a row, from which on a run is degraded.
 
 std::string Range(size_t first, size_t last) {
@@ -101,8 +102,9 @@ RunVerdict JudgeRun(const std::vector<PoseSource>& sources, const std::vector<Ma
             " segments were not joined to the map (" + names + (num_apart > kMostNamed ? ", ..." : "") + ")");
   }
   const std::optional<std::pair<size_t, size_t>> longest = LongestUnmeasured(sources);
-  if (longest && (static_cast<double>(num_unmeasured) > kMostUnmeasured * num_scans ||
-                  longest->second - longest->first + 1 >= kLongestUnmeasured)) {
+  if (longest &&
+      ((num_unmeasured > kFewUnmeasured && static_cast<double>(num_unmeasured) > kMostUnmeasured * num_scans) ||
+       longest->second - longest->first + 1 >= kLongestUnmeasured)) {
     degrade(std::to_string(num_unmeasured) + " of " + std::to_string(sources.size()) +
             " scans were not matched, most in a row " + Range(index_of[longest->first], index_of[longest->second]));
   }

@@ -41,8 +41,8 @@ std::string TextOf(const RunVerdict& verdict);
 
 /// Judges a run by how its scans got their poses:
 ///   lost      less than half of the scans were measured in the main part of the map;
-///   degraded  tracking was lost and a new map begun, joined again or not; or scans lack a measured pose: more than 2 %
-///             of them, or ten in a row.
+///   degraded  tracking was lost and a new map begun, joined again or not; or scans lack a measured pose: more than two
+///             and 2 % of them, or ten in a row.
 /// @param sources  of all scans that have a pose, in their order.
 /// @param segments of the same scans.
 /// @param index_of the place in the recording of each of these scans, from 0 on.

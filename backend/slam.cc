@@ -104,7 +104,9 @@ void Slam::RestoreLoss(const std::vector<SessionContents::ReadScan>& read) {
     const bool is_rejected = !was_matched && match.num_points >= options_.matcher.min_points;
     const bool begins = num_posed == 0 || begins_map;
     const bool is_clean = IsUsable(match.verdict) && match.score <= options_.tracker.max_insert_score;
-    if (!wheels_.has_odometry()) CountForLoss(begins, is_rejected, begins || is_clean);
+    if (!wheels_.has_odometry() && match.num_points >= options_.matcher.min_points) {
+      CountForLoss(begins, is_rejected, begins || is_clean);
+    }
     was_matched_.push_back(scan.result.status == ScanStatus::kMatched ? 1 : 0);
     ++num_posed;
   }
@@ -172,6 +174,7 @@ ScanResult Slam::AddScan(const LidarSweep& sweep) {
   const bool is_improved = AddPlanarScan(reduced.planar, reduced.to_match, prediction,
                                          reducer_.CanRedeskew(reduced) ? &improvement : nullptr, &result);
   if (is_improved) reduced = std::move(improved);
+  if (!sweep.fault.empty() && result.status != ScanStatus::kMatched) result.reason = sweep.fault;
   if (result.status == ScanStatus::kSkipped) return result;
   stopwatch.Lap();
   reducer_.Commit(reduced, result.T_odom_base);
@@ -214,8 +217,10 @@ bool Slam::AddPlanarScan(const PlanarScan& planar, const std::vector<Eigen::Vect
   if (result.status == ScanStatus::kPredicted) result.reason = ToString(tracked.match.verdict);
   const bool is_rejected =
       result.status == ScanStatus::kPredicted && static_cast<int>(to_match.size()) >= options_.matcher.min_points;
-  const bool is_kept = is_first || begins_map || tracked.insert;
-  if (!prediction.since_scan) CountForLoss(is_first || begins_map, is_rejected, is_kept);
+  // With wheel odometry a robot is where that has it. An empty scan says nothing of the map.
+  if (!wheels_.has_odometry() && static_cast<int>(to_match.size()) >= options_.matcher.min_points) {
+    CountForLoss(is_first || begins_map, is_rejected, is_first || begins_map || tracked.insert);
+  }
   const bool is_clean = tracked.insert && IsUsable(tracked.match.verdict);
   if (is_clean && prediction.since_scan) {
     wheels_.Learn(*prediction.since_scan, last_pose.Inverse() * tracked.match.pose, tracked.match.information);
@@ -256,6 +261,7 @@ void Slam::CountForLoss(bool begins_map, bool is_rejected, bool is_clean) {
 }
 
 bool Slam::IsLost() const {
+  if (wheels_.has_odometry()) return false;
   return num_rejected_ >= kMaxRejected || (num_clean_ <= kYoungMap && num_unclean_ >= kMaxUnclean);
 }
 

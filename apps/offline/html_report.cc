@@ -238,6 +238,8 @@ Json RunFacts(const ReportInput& input) {
           {"threads", record.num_threads},
           {"odometry_only", record.odometry_only},
           {"interrupted", record.is_interrupted},
+          {"state", ToString(record.verdict.state)},
+          {"verdict", "result " + TextOf(record.verdict)},
           {"notices", record.notices},
           {"first_stamp_s", record.scans.empty() ? 0.0 : record.scans.front().stamp},
           {"path_m", path},

@@ -88,8 +88,8 @@ and options give the same results, bit by bit, for any number of threads.
   --threads N            for loop closure and optimisation (default, and at most: all cores)
   --odometry_only        close no loops: trajectory.tum is what the sliding window left
   --max_scans N          stop after N scans
-  --disjoint             trajectory.tum also has the segments that were not joined to the map, each in its own frame
-  --allow_degraded       a degraded run ends with exit code 0
+  --disjoint             keep the poses of segments that were not joined to the map in trajectory.tum
+  --allow_degraded       exit code 0 for a degraded run
   --quiet                print errors only
   --help, --version
 
@@ -100,10 +100,8 @@ file) and effective_config.yaml; and, from the first keyframe on, session.db, th
 and arborslam_session start, also when this program was killed (recording.db until the recording is placed in the map
 of another session). A pose's stamp is the middle of its sweep. Of a pose graph: trajectory.tum (every vertex, its id
 as the stamp), graph.g2o, graph.png, summary.json, report.html and effective_config.yaml.
-
-The last line printed, summary.json and the report say whether to trust the result: ok (exit code 0), degraded (3: parts
-of the run, which it names, were lost; 0 with --allow_degraded) or lost (4: most of it was). Poses of scans that were
-not matched are interpolated between those before and after, or left out of trajectory.tum. Ctrl-C ends the reading early
+The last line, summary.json and the report say whether to trust the result: ok (exit code 0), degraded (3: parts, which
+it names, were lost) or lost (4: most was). Ctrl-C ends the reading early
 and keeps what there is (exit code 130), but makes no 3D map; a second one ends the program at once.
 )";
 

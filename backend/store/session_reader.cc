@@ -28,6 +28,17 @@ bool IsAngle(double value) { return std::abs(value) <= kGreatestAngle; }
 bool IsTime(double value) { return std::abs(value) <= kGreatestTime; }
 
 bool IsPose(const SE2& pose) { return IsLength(pose.x()) && IsLength(pose.y()) && IsAngle(pose.theta()); }
+bool AreFinite(const std::vector<GroundSample>& ground) {
+  return std::all_of(ground.begin(), ground.end(), [](const GroundSample& sample) {
+    return sample.position.allFinite() && std::isfinite(sample.weight);
+  });
+}
+bool AreFinite(const std::vector<UprightLine>& lines) {
+  return std::all_of(lines.begin(), lines.end(), [](const UprightLine& line) {
+    return line.direction.allFinite() && std::isfinite(line.range) && std::isfinite(line.slope) &&
+           std::isfinite(line.spread);
+  });
+}
 bool IsTilt(const Tilt3& tilt) { return IsAngle(tilt.roll) && IsAngle(tilt.pitch) && IsLength(tilt.z); }
 
 template <int kSize>
@@ -153,6 +164,8 @@ class Reader {
                 part, "its pose is impossible");
         Require(IsTime(posed.stamp) && (recording.num_posed == 0 || posed.stamp > contents->scans.back().stamp), part,
                 "its stamp is not after the one before");
+        Require(AreFinite(*posed.ground.Get()) && AreFinite(*posed.lines.Get()), part,
+                "its ground or its vertical structures are not finite");
         posed.ground = Kept(posed.ground);
         posed.lines = Kept(posed.lines);
         ++recording.num_posed;

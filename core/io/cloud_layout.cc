@@ -47,7 +47,8 @@ std::string LowerCase(std::string_view text) {
 // The lines of a header, one by one, with what an error about them needs.
 class HeaderReader {
  public:
-  HeaderReader(const std::string& path, std::string_view contents) : path_(path), contents_(contents) {}
+  HeaderReader(const std::string& path, std::string_view contents)
+      : path_(path), contents_(contents), position_(ByteOrderMarkLength(contents)) {}
 
   // The words of the next line that has any. Throws at the end of the file or of what a header may be long.
   Words Next() {
@@ -202,6 +203,7 @@ CloudLayout ParsePcdHeader(const std::string& path, std::string_view contents) {
                   std::to_string(layout.fields.size()) + " fields");
     }
   }
+  bool has_void = false;
   for (size_t i = 0; i < layout.fields.size(); ++i) {
     CloudField& field = layout.fields[i];
     const std::string type = entries.count("TYPE") != 0 ? entries["TYPE"][i] : "F";
@@ -213,10 +215,17 @@ CloudLayout ParsePcdHeader(const std::string& path, std::string_view contents) {
     field.type = type[0];
     field.size = size;
     field.count = entries.count("COUNT") != 0 ? header.Number(entries["COUNT"][i]) : 1;
+    has_void |= field.count == 0;
     // The points are not stored with their gaps then, and no two programs agree on what is.
     if (field.name == "_" && layout.encoding == Encoding::kCompressedColumns) {
       header.Fail("compressed points have the unused field '_'", "write the file without it, or uncompressed");
     }
+  }
+  // A field without values takes no room.
+  if (has_void) {
+    layout.fields.erase(std::remove_if(layout.fields.begin(), layout.fields.end(),
+                                       [](const CloudField& field) { return field.count == 0; }),
+                        layout.fields.end());
   }
   LayOut(header, &layout);
 
@@ -333,6 +342,7 @@ const CloudField* CloudLayout::Find(std::string_view name) const {
 }
 
 bool LooksLikePcd(std::string_view contents) {
+  contents.remove_prefix(ByteOrderMarkLength(contents));
   for (const std::string_view beginning : {"# .PCD", "VERSION", "FIELDS", "COLUMNS"}) {
     if (contents.substr(0, beginning.size()) == beginning) return true;
   }
@@ -340,7 +350,10 @@ bool LooksLikePcd(std::string_view contents) {
 }
 
 bool LooksLikePly(std::string_view contents) {
-  return contents.size() > 3 && contents.substr(0, 3) == "ply" && (contents[3] == '\n' || contents[3] == '\r');
+  contents.remove_prefix(ByteOrderMarkLength(contents));
+  if (contents.substr(0, 3) != "ply") return false;
+  const size_t end = contents.find_first_not_of(" \t", 3);
+  return end != std::string_view::npos && (contents[end] == '\n' || contents[end] == '\r');
 }
 
 CloudLayout ParseCloudHeader(const std::string& path, std::string_view contents) {

@@ -36,6 +36,11 @@ bool HasZipMagic(const std::string& path) {
          ((magic[2] == '\3' && magic[3] == '\4') || (magic[2] == '\5' && magic[3] == '\6'));
 }
 
+size_t ByteOrderMarkLength(std::string_view text) {
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  return text.substr(0, kMark.size()) == kMark ? kMark.size() : 0;
+}
+
 std::string Quoted(const std::string& text) {
   constexpr size_t kMaxLength = 40;
   std::string shown = text.substr(0, kMaxLength);

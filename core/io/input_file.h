@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <fstream>
 #include <string>
+#include <string_view>
 
 namespace arborslam {
 
@@ -13,6 +14,9 @@ std::ifstream OpenInputFile(const std::string& path);
 
 /// True if the file at `path` begins as a zip archive does. Throws as `OpenInputFile` does.
 bool HasZipMagic(const std::string& path);
+
+/// Bytes of the UTF-8 byte order mark with which `text` begins: 3, or 0 if there is none.
+size_t ByteOrderMarkLength(std::string_view text);
 
 /// `text` in quotes for an error message: one line, cut to a readable length, unprintable bytes shown as '?'.
 std::string Quoted(const std::string& text);

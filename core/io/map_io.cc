@@ -26,8 +26,6 @@ constexpr double kFreeThreshold = 0.196;
 constexpr uint8_t kOccupiedPixel = 0;
 constexpr uint8_t kFreePixel = 254;
 constexpr uint8_t kUnknownPixel = 205;
-constexpr std::array<const char*, 7> kKeys = {"image",           "resolution",  "origin", "negate",
-                                              "occupied_thresh", "free_thresh", "mode"};
 constexpr std::streamsize kMaxYamlBytes = 1 << 16;
 
 struct Pgm {
@@ -90,11 +88,6 @@ MapDescription Interpret(const YAML::Node& map, const std::string& path) {
   for (const auto& entry : map) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
     if (!seen.insert(key).second) throw UserError(path, "has the key " + Quoted(key) + " twice", "remove one");
-    if (std::find(kKeys.begin(), kKeys.end(), key) == kKeys.end()) {
-      std::string known;
-      for (const char* name : kKeys) known += (known.empty() ? "" : ", ") + std::string(name);
-      throw UserError(path, "has the unknown key " + Quoted(key), "use only " + known);
-    }
   }
   MapDescription description;
   description.image = Value<std::string>(map, path, "image", "the name of a .pgm file");
@@ -186,7 +179,11 @@ Pgm ReadPgm(const std::string& path) {
   stream.seekg(0, std::ios::end);
   const uint64_t present = static_cast<uint64_t>(stream.tellg()) - begin;
   const uint64_t needed = static_cast<uint64_t>(pgm.width) * static_cast<uint64_t>(pgm.height);
-  if (!stream || present != needed) {
+  bool is_whole = stream && present >= needed;
+  // Editors of text leave a line's end.
+  if (is_whole) stream.seekg(static_cast<std::streamoff>(begin + needed));
+  for (uint64_t i = needed; is_whole && i < present; ++i) is_whole = std::isspace(stream.get()) != 0;
+  if (!is_whole) {
     throw UserError(path,
                     "has " + std::to_string(stream ? present : 0) + " bytes of pixels where " +
                         std::to_string(pgm.width) + " x " + std::to_string(pgm.height) + " need " +

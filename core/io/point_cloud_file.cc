@@ -268,21 +268,39 @@ void ReadTextPoints(const std::string& path, const CloudLayout& layout, const Sw
   }
 }
 
-// Drops the points without a finite time, or all times when most are not.
-void KeepFiniteTimes(PointCloudFile* file) {
+// Drops the points without a finite time and those whose time is not of the sweep, or all times when most are not finite.
+void KeepPlausibleTimes(PointCloudFile* file) {
   std::vector<double>& times = file->raw_times;
-  const auto is_finite = [](double time) { return std::isfinite(time); };
-  const auto num_finite = static_cast<size_t>(std::count_if(times.begin(), times.end(), is_finite));
-  if (num_finite == times.size()) return;
-  if (2 * num_finite < times.size()) {
+  std::vector<double> finite;
+  std::copy_if(times.begin(), times.end(), std::back_inserter(finite), [](double time) { return std::isfinite(time); });
+  if (2 * finite.size() < times.size()) {
     times.clear();
     return;
   }
+  // A few times that are not of the sweep decide nothing: all lie within what nine in ten of them span, or near it.
+  double least = -std::numeric_limits<double>::infinity();
+  double greatest = std::numeric_limits<double>::infinity();
+  if (!finite.empty()) {
+    const auto quantile = [&finite](double share) {
+      const auto nth = finite.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(finite.size() - 1));
+      std::nth_element(finite.begin(), nth, finite.end());
+      return *nth;
+    };
+    const double low = quantile(0.05);
+    const double high = quantile(0.95);
+    if (high > low) {
+      least = low - (high - low);
+      greatest = high + (high - low);
+    }
+  }
+  const auto is_kept = [&](double time) { return time >= least && time <= greatest && std::isfinite(time); };
+  const auto num_kept = static_cast<size_t>(std::count_if(times.begin(), times.end(), is_kept));
+  if (num_kept == times.size()) return;
   std::vector<Eigen::Vector3f>& points = file->sweep.points;
-  file->sweep.num_dropped += times.size() - num_finite;
+  file->sweep.num_dropped += times.size() - num_kept;
   size_t kept = 0;
   for (size_t i = 0; i < times.size(); ++i) {
-    if (!std::isfinite(times[i])) continue;
+    if (!is_kept(times[i])) continue;
     points[kept] = points[i];
     times[kept] = times[i];
     ++kept;
@@ -307,7 +325,7 @@ PointCloudFile ReadPointCloudFile(const std::string& path) {
   } else if (layout.num_points > 0) {
     ReadBinaryPoints(path, layout, fields, body, &file);
   }
-  KeepFiniteTimes(&file);
+  KeepPlausibleTimes(&file);
   return file;
 }
 

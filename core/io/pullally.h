@@ -38,8 +38,8 @@ class PullallyScanSource : public ScanSource {
   std::vector<std::string> notices_;
 };
 
-/// The stamps of the `count` records of a Pullally recording as they are: its array `time`, or nothing when it has none.
-/// Throws `UserError` on a wrong shape.
+/// The stamps of the `count` records of a Pullally recording as they are: its array `time`, or nothing when it has
+/// none. Throws `UserError` on a wrong shape.
 std::optional<std::vector<double>> ReadPullallyStamps(const NpzFile& file, size_t count);
 
 }  // namespace arborslam

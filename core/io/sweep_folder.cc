@@ -158,36 +158,50 @@ std::string NumberingNotice(const std::vector<std::string>& files, bool by_numbe
   return "";
 }
 
-PointCloudFile ReadSweepFile(const std::string& path) {
+PointCloudFile ReadSweepFile(const std::string& path, const BinLayout& layout) {
   if (LowerCaseExtension(path) != ".bin") return ReadPointCloudFile(path);
   PointCloudFile file;
-  file.sweep = ReadKittiBin(path);
+  file.sweep = ReadKittiBin(path, layout);
   return file;
+}
+
+// A few files, from the first to the last.
+std::vector<std::string> Spread(const std::vector<std::string>& files) {
+  constexpr size_t kFew = 5;
+  std::vector<std::string> few;
+  const size_t count = std::min(files.size(), kFew);
+  for (size_t i = 0; i < count; ++i) few.push_back(files[i * (files.size() - 1) / std::max<size_t>(1, count - 1)]);
+  return few;
 }
 
 // The first file, or the one of the first few that has enough points with times to tell what these mean; its place in
 // the order goes to `index`.
-PointCloudFile ReadTypicalFile(const std::vector<std::string>& files, size_t* index) {
+PointCloudFile ReadTypicalFile(const std::vector<std::string>& files, const BinLayout& layout, size_t* index) {
   constexpr size_t kFirstFew = 10;
   constexpr size_t kEnough = 100;
-  *index = 0;
-  PointCloudFile typical = ReadSweepFile(files[0]);
-  for (size_t i = 1; i < std::min(files.size(), kFirstFew); ++i) {
-    if (typical.sweep.points.size() >= kEnough) break;
-    PointCloudFile file = ReadSweepFile(files[i]);
-    if (file.sweep.points.size() <= typical.sweep.points.size()) continue;
-    typical = std::move(file);
-    *index = i;
+  std::optional<PointCloudFile> typical;
+  std::optional<UserError> problem;
+  for (size_t i = 0; i < std::min(files.size(), kFirstFew); ++i) {
+    if (typical && typical->sweep.points.size() >= kEnough) break;
+    try {
+      PointCloudFile file = ReadSweepFile(files[i], layout);
+      if (typical && file.sweep.points.size() <= typical->sweep.points.size()) continue;
+      typical = std::move(file);
+      *index = i;
+    } catch (const UserError& error) {
+      if (!problem) problem = error;
+    }
   }
-  return typical;
+  if (!typical) throw UserError(*problem);
+  return *std::move(typical);
 }
 
-// Whether the times in the last file are absolute by what they are alone: a clock that started with the recording
-// gives times that look relative in the first.
+// Whether the times in the last file, no .bin, are absolute by what they are alone: a clock that started with the
+// recording gives times that look relative in the first.
 bool IsLastAbsolute(const std::vector<std::string>& files, double sweep_duration) {
   try {
     const std::optional<PointTimeFormat> format =
-        FindPointTimeFormat(ReadSweepFile(files.back()).raw_times, sweep_duration);
+        FindPointTimeFormat(ReadPointCloudFile(files.back()).raw_times, sweep_duration);
     return format && format->is_absolute;
   } catch (const UserError&) {
     return false;  // It is reported when its turn comes, if it does.
@@ -213,6 +227,7 @@ bool SweepFolder::Recognises(const std::string& path) {
 SweepFolder::SweepFolder(const std::string& path, const SweepFolderOptions& options) : options_(options) {
   const std::string stamp_file = FindFiles(path);
   FindStamps(stamp_file);
+  FindLayout();
   FindPointTimes();
 }
 
@@ -256,6 +271,18 @@ void SweepFolder::FindStamps(const std::string& stamp_file) {
   if (!notice.empty()) notices_.push_back(notice);
 }
 
+void SweepFolder::FindLayout() {
+  if (LowerCaseExtension(files_.front()) != ".bin") return;
+  if (options_.layout != "auto") {
+    ParseBinLayout(options_.layout, &layout_);
+    return;
+  }
+  layout_ = FindBinLayout(Spread(files_));
+  if (layout_.IsKitti()) return;
+  notices_.push_back("The points of the .bin files are " + layout_.Name() +
+                     ", x y z first, by what they hold (option input.layout).");
+}
+
 void SweepFolder::TakeStamps(std::vector<double> stamps) {
   RepairedStamps repaired = RepairStamps(std::move(stamps), kUsualTurn);
   stamps_ = std::move(repaired.seconds);
@@ -280,7 +307,7 @@ void SweepFolder::FindPointTimes() {
   const double rough_duration =
       options_.sweep_duration > 0.0 ? options_.sweep_duration : SweepDurationFromStamps(stamps_).seconds;
   size_t index = 0;
-  const PointCloudFile typical = ReadTypicalFile(files_, &index);
+  const PointCloudFile typical = ReadTypicalFile(files_, layout_, &index);
   const std::optional<PointTimeFormat> format = FindPointTimeFormat(typical.raw_times, rough_duration);
   if (format) {
     point_time_format_ = *format;
@@ -344,7 +371,12 @@ void SweepFolder::FindDuration(double span) {
 
 std::optional<Scan> SweepFolder::Next() {
   if (next_ == files_.size()) return std::nullopt;
-  PointCloudFile file = ReadSweepFile(files_[next_]);
+  PointCloudFile file;
+  try {
+    file = ReadSweepFile(files_[next_], layout_);
+  } catch (const UserError& error) {
+    file.sweep.fault = error.what();
+  }
   LidarSweep& sweep = file.sweep;
   std::optional<PointTimeSpan> span;
   if (point_clock_ != PointClock::kNone) span = SpanOfPointTimes(file.raw_times, point_time_format_, max_span_);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/io/bin_layout.h"
 #include "core/io/point_times.h"
 #include "core/io/scan_source.h"
 #include "core/io/sweep_folder_options.h"
@@ -41,10 +42,11 @@ namespace arborslam {
 class SweepFolder : public ScanSource {
  public:
   /// Opens the recording at `path`, a folder or one file. Throws `UserError` when there are no sweeps, when they are of
-  /// more than one kind, when the stamps are malformed or not as many as the files, and when the first file is damaged.
+  /// more than one kind, when the stamps are malformed or not as many as the files, and when all of the first ten files
+  /// are damaged.
   SweepFolder(const std::string& path, const SweepFolderOptions& options);
 
-  /// Throws `UserError` when the next file is damaged or has gone.
+  /// A file that is damaged or has gone is given as a sweep without points, with its fault.
   std::optional<Scan> Next() override;
   std::optional<size_t> NumScans() const override { return files_.size(); }
   const std::vector<std::string>& Notices() const override { return notices_; }
@@ -64,6 +66,8 @@ class SweepFolder : public ScanSource {
   // Returns the path of the file of stamps, or "".
   std::string FindFiles(const std::string& path);
   void FindStamps(const std::string& stamp_file);
+  // Of .bin files.
+  void FindLayout();
   // Takes the stamps of the files, as they are in the recording.
   void TakeStamps(std::vector<double> stamps);
   // Returns the stamps of the names, [s], or none when they are no stamps.
@@ -74,6 +78,7 @@ class SweepFolder : public ScanSource {
 
   SweepFolderOptions options_;
   std::vector<std::string> files_;
+  BinLayout layout_;            // Of .bin files.
   std::vector<double> stamps_;  // [s], one a file; empty when the times of the points tell them.
   PointClock point_clock_ = PointClock::kNone;
   PointTimeFormat point_time_format_;

@@ -8,6 +8,7 @@
 
 #include "core/config/validation.h"
 #include "core/geometry/angles.h"
+#include "core/io/bin_layout.h"
 
 namespace arborslam {
 
@@ -24,6 +25,9 @@ std::string SweepFolderOptions::Validate() const {
   if (frame != "lidar" && frame != "base") return Violation("frame", frame, "be lidar or base");
   if (frame == "base" && T_base_lidar.empty()) {
     return Violation("frame", frame, "be lidar unless T_base_lidar says where in base the lidar is");
+  }
+  if (BinLayout parsed; layout != "auto" && !ParseBinLayout(layout, &parsed)) {
+    return Violation("layout", layout, "be auto or like '5 x float32', '3 x float64, big-endian'");
   }
   return "";
 }

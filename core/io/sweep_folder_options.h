@@ -17,6 +17,10 @@ struct SweepFolderOptions {
   /// The frame of the points: "lidar", or "base" where they were moved there by `T_base_lidar`.
   std::string frame = "lidar";
 
+  /// Of `.bin` files: "auto", found from the sweeps, or as "4 x float32", "5 x float32", "3 x float64, big-endian"
+  /// (`BinLayout::Name`).
+  std::string layout = "auto";
+
   std::string Validate() const;
 
   template <class Visitor>
@@ -25,6 +29,7 @@ struct SweepFolderOptions {
     visit("sweep_duration", sweep_duration);
     visit("T_base_lidar", T_base_lidar);
     visit("frame", frame);
+    visit("layout", layout);
   }
 };
 

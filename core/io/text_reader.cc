@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "core/error.h"
 #include "core/io/input_file.h"
@@ -43,7 +44,9 @@ bool TextReader::Next() {
     if (std::strlen(line_.data()) != static_cast<size_t>(length)) {
       throw UserError(Place(), "holds a zero byte", "check that this is a text file of the right kind");
     }
-    const char* field = line_.data() + std::strspn(line_.data(), kSpace);
+    const char* field = line_.data();
+    if (line_number_ == 1) field += ByteOrderMarkLength(line_.data());
+    field += std::strspn(field, kSpace);
     if (*field == '#') continue;
     while (*field != '\0') {
       const size_t field_length = std::strcspn(field, kSpace);
@@ -77,6 +80,14 @@ double TextReader::Number(size_t index, const std::string& name) const {
 int TextReader::Integer(size_t index, const std::string& name) const {
   int value = 0;
   if (!Parse(fields_.at(index), &value)) {
+    double number = 0.0;
+    const bool is_too_great =
+        fields_[index].find_first_not_of("+-0123456789") == std::string::npos && Parse(fields_[index], &number);
+    if (is_too_great) {
+      throw UserError(Place(), name + " " + Quoted(fields_[index]) + " is beyond what is supported",
+                      "number from " + std::to_string(std::numeric_limits<int>::min()) + " to " +
+                          std::to_string(std::numeric_limits<int>::max()));
+    }
     throw UserError(Place(), name + " " + Quoted(fields_[index]) + " is not an integer", "correct or remove the line");
   }
   return value;

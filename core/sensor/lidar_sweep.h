@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <string>
 #include <vector>
 
 namespace arborslam {
@@ -21,6 +22,8 @@ struct LidarSweep {
   std::vector<float> times;             ///< [s] since `start`, one per point; empty when the recording has no times.
   /// Unit vector, lidar frame, about which the beams turn: not z where the frame is upright and the lidar tilted.
   Eigen::Vector3f spin_axis = Eigen::Vector3f::UnitZ();
+  /// Why nothing could be read of it, for people; empty when it was read. A sweep with a fault has no points.
+  std::string fault;
   size_t num_dropped = 0;  ///< Points of the record that were infinite, not a number, or at the origin.
 
   /// [s]

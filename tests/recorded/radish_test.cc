@@ -68,7 +68,7 @@ TEST_F(RadishTest, NoScanOfIntelIsLostThoughStampsRunBackwards) {
   EXPECT_EQ(source->NumScans(), 13631u);
   const auto& notices = source->Notices();
   EXPECT_TRUE(std::any_of(notices.begin(), notices.end(), [](const std::string& notice) {
-    return notice.find("631 of the 13631 stamps run backwards") != std::string::npos;
+    return notice.find("of the 13631 stamps are not later than the one before") != std::string::npos;
   }));
   size_t num_scans = 0;
   size_t num_no_return = 0;

@@ -1356,6 +1356,7 @@
     byId("subtitle").textContent = run.input;
     const badges = [];
     badges.push(element("span", { class: "badge", text: run.program }));
+    badges.push(element("span", { class: run.state === "ok" ? "badge" : "badge warn", text: run.verdict }));
     if (run.interrupted) badges.push(element("span", { class: "badge warn", text: "interrupted: only a part of the input" }));
     if (run.odometry_only) badges.push(element("span", { class: "badge", text: "odometry only" }));
     byId("badges").append(...badges);

@@ -220,16 +220,24 @@ TEST(SweepFolder, RefusesSweepsOfMoreThanOneKind) {
   EXPECT_THAT(ErrorOf(folder.path()), AllOf(HasSubstr("more than one kind"), HasSubstr("2 .bin and 1 .pcd")));
 }
 
-TEST(SweepFolder, ReportsADamagedFileWhenItsTurnComes) {
+TEST(SweepFolder, GivesADamagedFileAsASweepWithItsFault) {
   const TempFolder folder;
   LidarSweep many = SweepAt(1.0f);
   many.points.resize(200, many.points[0]);
   for (const char* name : {"1", "2", "3"}) WriteKittiBin(folder.File(std::string(name) + ".bin"), many);
   folder.Write("2.bin", "damaged");
   SweepFolder source(folder.path(), {});
-  EXPECT_TRUE(source.Next());
-  EXPECT_THAT(UserErrorOf([&] { source.Next(); }), AllOf(HasSubstr("2.bin"), HasSubstr("7 bytes")));
+  const std::vector<LidarSweep> sweeps = ReadAll(&source);
+  ASSERT_EQ(sweeps.size(), 3u);
+  EXPECT_THAT(sweeps[1].fault, AllOf(HasSubstr("2.bin"), HasSubstr("7 bytes")));
+  EXPECT_TRUE(sweeps[1].points.empty());
+  for (const size_t whole : {0, 2}) {
+    EXPECT_EQ(sweeps[whole].fault, "");
+    EXPECT_EQ(sweeps[whole].points.size(), 200u);
+  }
   folder.Write("1.bin", "damaged");
+  EXPECT_EQ(ReadAll(folder.path()).size(), 3u);
+  folder.Write("3.bin", "damaged");
   EXPECT_THAT(ErrorOf(folder.path()), HasSubstr("1.bin"));
 }
 
@@ -356,14 +364,15 @@ TEST(SweepFolder, ASweepMayMissItsFirstAndLastReturns) {
   }
 }
 
-TEST(SweepFolder, DamagedTimesOfOneSweepAreLeftOut) {
+TEST(SweepFolder, PointsWithDamagedTimesAreLeftOut) {
   const TempFolder folder;
   folder.Write("times.txt", kStamps);
   WriteTimedPcds(folder, 3, "time", [](double i, double part) { return i == 1.0 && part == 1.0 ? 0.4 : 0.1 * part; });
   const std::vector<LidarSweep> sweeps = ReadAll(folder.path());
   EXPECT_THAT(sweeps[0].times, SizeIs(200));
-  EXPECT_THAT(sweeps[1].times, IsEmpty());
-  EXPECT_THAT(sweeps[1].points, SizeIs(200));
+  EXPECT_THAT(sweeps[1].times, SizeIs(199));
+  EXPECT_THAT(sweeps[1].points, SizeIs(199));
+  EXPECT_EQ(sweeps[1].num_dropped, 1u);
   EXPECT_EQ(sweeps[1].start, kStart + 0.1);
   EXPECT_NEAR(sweeps[1].duration, 0.1, 1e-6);
   EXPECT_THAT(sweeps[2].times, SizeIs(200));
