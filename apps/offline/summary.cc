@@ -99,7 +99,9 @@ std::string SummaryJson(const RunRecord& record) {
   for (size_t i = 0; i < record.scans.size(); ++i) {
     const ScanResult& scan = record.scans[i];
     const char* pose = "none";
-    if (scan.status != ScanStatus::kSkipped) pose = ToString(record.finish.pose_sources[num_posed++]);
+    if (scan.status != ScanStatus::kSkipped && num_posed < record.finish.pose_sources.size()) {
+      pose = ToString(record.finish.pose_sources[num_posed++]);
+    }
     if (scan.status == ScanStatus::kMatched) continue;
     unused.push_back({{"index", i},
                       {"stamp_s", scan.stamp},

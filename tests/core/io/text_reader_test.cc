@@ -43,7 +43,7 @@ TEST(TextReader, ReadsNumbersStrictly) {
   EXPECT_THAT(UserErrorOf([&] { reader.Number(3, "x"); }), AllOf(HasSubstr("line 1"), HasSubstr("x '1.5.2'")));
   EXPECT_THAT(UserErrorOf([&] { reader.Number(4, "x"); }), HasSubstr("'0x10' is not a number"));
   EXPECT_THAT(UserErrorOf([&] { reader.Number(7, "x"); }), HasSubstr("'nan' is not finite"));
-  EXPECT_THAT(UserErrorOf([&] { reader.Integer(6, "id"); }), HasSubstr("'2147483648' is not an integer"));
+  EXPECT_THAT(UserErrorOf([&] { reader.Integer(6, "id"); }), HasSubstr("'2147483648' is beyond what is supported"));
   EXPECT_THAT(UserErrorOf([&] { reader.Integer(8, "id"); }), HasSubstr("'4.0' is not an integer"));
   EXPECT_THAT(UserErrorOf([&] { reader.ExpectFields(3, "a b c"); }),
               AllOf(HasSubstr("9 columns instead of 3"), HasSubstr("'a b c'")));
