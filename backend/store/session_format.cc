@@ -109,7 +109,8 @@ std::string NameOf(Constraint::Kind kind) {
 }
 
 std::optional<Constraint::Kind> ConstraintKindOf(const std::string& name) {
-  for (const auto kind : {Constraint::Kind::kSubmap, Constraint::Kind::kMotion, Constraint::Kind::kLoop, Constraint::Kind::kGap}) {
+  for (const auto kind :
+       {Constraint::Kind::kSubmap, Constraint::Kind::kMotion, Constraint::Kind::kLoop, Constraint::Kind::kGap}) {
     if (NameOf(kind) == name) return kind;
   }
   return std::nullopt;

@@ -268,7 +268,8 @@ void ReadTextPoints(const std::string& path, const CloudLayout& layout, const Sw
   }
 }
 
-// Drops the points without a finite time and those whose time is not of the sweep, or all times when most are not finite.
+// Drops the points without a finite time and those whose time is not of the sweep, or all times when most are not
+// finite.
 void KeepPlausibleTimes(PointCloudFile* file) {
   std::vector<double>& times = file->raw_times;
   std::vector<double> finite;
