@@ -25,6 +25,9 @@ constexpr double kKittiShare = 0.7;
 // Another is taken when the next one's differ no more than this share of how its do.
 constexpr double kClearShare = 0.7;
 constexpr size_t kMinValues = 60;  // With fewer nothing can be told.
+// Columns that differ less are none, as where all x come before all y; with fewer values they may by chance.
+constexpr double kLeastContrast = 0.02;
+constexpr size_t kManyValues = 2000;
 
 struct Type {
   size_t size;
@@ -151,6 +154,11 @@ BinLayout FindBinLayout(const std::vector<std::string>& paths) {
       // Twice as many columns differ as much, by chance a little more.
       const bool is_double = width == 6 && contrasts[6] < 1.1 * contrasts[3];
       if (contrasts[width] > contrasts[best] && !is_double) best = width;
+    }
+    if (num_values >= kManyValues && contrasts[best] < kLeastContrast) {
+      throw UserError(
+          paths.front(), "holds no points side by side: its columns do not differ at any width",
+          "give x, y, z and what follows point by point, or state the layout with --set input.layout=\"...\"");
     }
     if (of_type.IsKitti() && contrasts[4] >= kKittiShare * contrasts[best]) return {};
     for (size_t width = 3; width <= 6; ++width) {

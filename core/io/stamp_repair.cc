@@ -22,6 +22,9 @@ constexpr double kFewBackwards = 0.05;
 constexpr double kFewChanged = 0.2;
 constexpr double kFewest = 3.0;  // At least.
 
+// Share of whole numbers from which on stamps are counts of a unit.
+constexpr double kMostlyWhole = 0.9;
+
 struct Unit {
   double seconds;
   const char* name;
@@ -55,7 +58,8 @@ Unit UnitOf(const std::vector<double>& stamps) {
       if (steps.empty() || Median(steps) * unit.seconds <= 1e3 * kLongestStep) return unit;
     }
   }
-  const bool are_whole = std::all_of(finite.begin(), finite.end(), [](double s) { return s == std::floor(s); });
+  const auto num_whole = std::count_if(finite.begin(), finite.end(), [](double s) { return s == std::floor(s); });
+  const bool are_whole = static_cast<double>(num_whole) >= kMostlyWhole * static_cast<double>(finite.size());
   const std::vector<double> steps = RisingSteps(finite);
   if (!are_whole || steps.empty()) return kUnits[0];
   for (const Unit& unit : kUnits) {
@@ -124,7 +128,7 @@ RepairedStamps RepairStamps(std::vector<double> stamps, double usual_step) {
     valid.push_back(i);
     times.push_back(stamps[i]);
   }
-  if (count > 1 && (times.size() < 2 || SayNothing(times))) {
+  if ((times.empty() && count > 0) || (count > 1 && (times.size() < 2 || SayNothing(times)))) {
     const double first = times.empty() ? 0.0 : times[0];
     for (size_t i = 0; i < count; ++i) result.seconds.push_back(first + usual_step * static_cast<double>(i));
     note("The stamps do not tell when the scans were taken; they are taken to be " + ShortestText(usual_step) +

@@ -92,6 +92,17 @@ TEST(BinLayout, NoiseIsRefusedWithTheFigures) {
   }
 }
 
+TEST(BinLayout, ColumnsOneAfterTheOtherAreRefused) {
+  const TempFolder folder;
+  const std::string points = Sweep({4, 4, false}, 4000, 1);
+  std::string columns;
+  for (size_t column = 0; column < 4; ++column) {
+    for (size_t i = 0; i < 4000; ++i) columns += points.substr(16 * i + 4 * column, 4);
+  }
+  folder.Write("columns.bin", columns);
+  EXPECT_THROW(FindBinLayout({folder.File("columns.bin")}), UserError);
+}
+
 TEST(BinLayout, NamesOfNoLayoutAreNone) {
   BinLayout layout;
   for (const char* name : {"", "auto", "4", "2 x float32", "7 x float32", "4 x float16"}) {

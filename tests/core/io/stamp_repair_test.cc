@@ -113,6 +113,7 @@ TEST(StampRepair, CountsWhereStampsSayNothing) {
     EXPECT_EQ(repaired.notices.size(), 1u);
   }
   EXPECT_TRUE(RepairStamps({}, 0.1).seconds.empty());
+  EXPECT_EQ(RepairStamps({nan}, 0.1).seconds, std::vector<double>{0.0});
   EXPECT_EQ(RepairStamps({7.0}, 0.1).seconds, std::vector<double>{7.0});
 }
 
