@@ -43,6 +43,9 @@ std::optional<uint8_t> ShadeOf(const GridImage& map, int column, int row, double
   return static_cast<uint8_t>(255 - 255 * std::clamp(2 * occupancy - 100, 0, 100) / 100);
 }
 
+// Of the sides of a picture together, how long a line in it may be.
+constexpr double kLongestLine = 10.0;
+
 class Canvas {
  public:
   Canvas(const GridImage& map, double pixels_per_cell) : map_(map), scale_(pixels_per_cell / map.resolution) {
@@ -69,7 +72,10 @@ class Canvas {
   }
 
   void Line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Colour& colour) {
-    const int steps = static_cast<int>(std::ceil((to - from).norm() * scale_)) + 1;
+    // What leads far beyond the picture would take for ever, pixel by pixel.
+    const double length = (to - from).norm() * scale_;
+    if (length > kLongestLine * (image_.width + image_.height)) return;
+    const int steps = static_cast<int>(std::ceil(length)) + 1;
     for (int i = 0; i <= steps; ++i) Dot(from + (to - from) * i / steps, 1, colour);
   }
 

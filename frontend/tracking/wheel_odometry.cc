@@ -12,6 +12,8 @@ namespace {
 constexpr double kSafety = 1.5;
 constexpr double kLeastStretch = 0.3;
 constexpr double kGreatestStretch = 20.0;
+// [m], farther no robot drives between two scans: the odometry was reset.
+constexpr double kGreatestStep = 100.0;
 // [m] and [rad], the least step of a robot that moves.
 constexpr double kMinStep = 0.01;
 constexpr double kMinTurn = 0.005;
@@ -54,6 +56,7 @@ std::optional<OdometryStep> WheelOdometry::Since(const std::optional<SE2>& from,
   if (!options_.enabled || !from || !pose) return std::nullopt;
   OdometryStep step;
   step.motion = from->Inverse() * *pose;
+  if (step.motion.translation().norm() > kGreatestStep) return std::nullopt;
   step.sigma = SigmaBefore(step.motion, options_).cwiseProduct(stretch_);
   return step;
 }

@@ -55,7 +55,7 @@ class WheelOdometry {
   explicit WheelOdometry(const OdometryOptions& options);
 
   /// The step from the last scan, and from the last keyframe, to a scan where the wheels say that the lidar is at
-  /// `pose`; nothing where scan or predecessor have no odometry, or it is not used.
+  /// `pose`; nothing where scan or predecessor have no odometry, it is not used, or it jumps by over 100 m.
   std::optional<OdometryStep> SinceScan(const std::optional<SE2>& pose) const { return Since(last_scan_, pose); }
   std::optional<OdometryStep> SinceKeyframe(const std::optional<SE2>& pose) const {
     return Since(last_keyframe_, pose);

@@ -139,5 +139,14 @@ TEST(WheelOdometryTest, OptionsOutOfRange) {
   EXPECT_NE(options.Validate().find("rotation_per_turn"), std::string::npos);
 }
 
+TEST(WheelOdometry, AJumpIsNoStep) {
+  WheelOdometry wheels{OdometryOptions()};
+  wheels.Commit(SE2(1.0, 2.0, 0.0), true);
+  EXPECT_TRUE(wheels.SinceScan(SE2(3.0, 2.0, 0.0)).has_value());
+  EXPECT_FALSE(wheels.SinceScan(SE2(3e7, 2.0, 0.0)).has_value());
+  wheels.Commit(SE2(3e7, 2.0, 0.0), true);
+  EXPECT_TRUE(wheels.SinceScan(SE2(3e7 + 1.0, 2.0, 0.0)).has_value());
+}
+
 }  // namespace
 }  // namespace arborslam
