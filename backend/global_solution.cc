@@ -61,8 +61,7 @@ void PlaceParts(const std::vector<LoopCandidate>& loops, PoseGraph* graph) {
     SE2 move = T_map_keyframe * graph->Pose(loop.keyframe).Inverse();
     if (of_submap > of_keyframe) move = move.Inverse();
     const size_t moved = std::max(of_submap, of_keyframe);
-    const PoseGraph before = *graph;
-    for (const auto& [id, pose] : before.poses()) {
+    for (const auto& [id, pose] : graph->poses()) {
       if (root_of(parts.Of(id)) == moved) graph->SetPose(id, move * pose);
     }
     placed_in[moved] = std::min(of_submap, of_keyframe);

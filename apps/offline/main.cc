@@ -513,10 +513,10 @@ int Run(const MultiFlags& multi_flags) {
   WriteResults(folder, options.slam, slam.submaps(), results, record, (is_new ? schema : session_schema).ToYaml());
   std::string kept_session = kSessionFile;
   if (is_new) kept_session = KeepJointSession(folder, joint.contents ? &*joint.contents : nullptr);
-  if (!FLAGS_quiet)
-    std::cout << SummaryText(record) << "results in " << folder.string() << "\nverdict: " << TextOf(record.verdict)
-              << "\n"
-              << std::flush;
+  if (!FLAGS_quiet) {
+    std::cout << SummaryText(record) << "results in " << folder.string() << "\n";
+    std::cout << "verdict: " << TextOf(record.verdict) << "\n" << std::flush;
+  }
   if (FLAGS_quiet && record.verdict.state != RunState::kOk) {
     std::cerr << "arborslam_offline: verdict: " << TextOf(record.verdict) << "\n";
   }
